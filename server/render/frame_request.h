@@ -1,0 +1,22 @@
+#pragma once
+// What is to be rendered: everything a device needs beside the scene. A sample depends on (scene, request, pixel, sample)
+// alone, so any device may make any tile.
+
+#include "server/render/camera.h"
+#include "server/render/effect_set.h"
+#include "server/render/settings.h"
+
+namespace heliograph {
+
+struct FrameRequest {
+    Camera camera;
+    Settings settings;
+    EffectSet effects;        // effectsOf(scene) & allowedEffects(settings)
+    uvec2 resolution{0, 0};
+    uint32_t generation = 0;  // grows with each new request of a viewer
+};
+
+/// Fills the kernel's block. `scene` gives the light count and the AO radius.
+FrameConstants frameConstants(const Scene& scene, const FrameRequest& request);
+
+}  // namespace heliograph

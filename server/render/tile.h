@@ -1,0 +1,44 @@
+#pragma once
+// A region of the picture with a range of samples, and what a device made of it.
+
+#include "shaders/kernel/kernel_types.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace heliograph {
+
+/// Cells are the grid of the film: CELL_SIZE squared pixels, smaller at the right and lower border.
+constexpr uint32_t CELL_SIZE = 32;
+
+struct Tile {
+    uvec2 origin{0, 0};
+    uvec2 size{0, 0};
+    uint32_t firstSample = 0;
+    uint32_t sampleCount = 1;
+    uint32_t generation = 0;
+};
+
+enum class RayKind : uint32_t { primary, shadow, ambientOcclusion, reflection, refraction, count };
+
+/// Rays traced, by kind. JSON names: primary, shadow, ambient_occlusion, reflection, refraction, total.
+struct RayCounts {
+    std::array<uint64_t, static_cast<size_t>(RayKind::count)> by{};
+    uint64_t& operator[](RayKind kind) { return by[static_cast<size_t>(kind)]; }
+    uint64_t operator[](RayKind kind) const { return by[static_cast<size_t>(kind)]; }
+    uint64_t total() const { uint64_t sum = 0; for (uint64_t n : by) sum += n; return sum; }
+    void add(const RayCounts& other) { for (size_t i = 0; i < by.size(); i++) by[i] += other.by[i]; }
+};
+
+/// Sums over the tile's samples, row-major over the tile.
+struct TileResult {
+    Tile tile;
+    std::string device;
+    std::vector<vec4> radianceSum;   // rgb = sum of radiance, w = sum of squared luminance
+    RayCounts rays;
+    uint64_t nonfiniteSamples = 0;   // samples left out because they were NaN or infinite
+    double seconds = 0.0;            // thread time spent on it
+};
+
+}  // namespace heliograph

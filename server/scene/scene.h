@@ -1,0 +1,73 @@
+#pragma once
+// A scene: immutable, shared by all devices, flat arrays in the kernel's layout (shaders/kernel/types.glsl). Made by
+// SceneBuilder only. Y is up; lengths are the file's own units, taken as metres.
+
+#include "shaders/kernel/kernel_types.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace heliograph {
+
+struct Bounds {
+    vec3 low{1e30f};
+    vec3 high{-1e30f};
+    bool empty() const { return low.x > high.x; }
+    vec3 center() const { return 0.5f * (low + high); }
+    float radius() const { return empty() ? 1.0f : 0.5f * glm::length(high - low); }  // of the bounding sphere
+    void grow(vec3 point) { low = glm::min(low, point); high = glm::max(high, point); }
+};
+
+/// A viewpoint of the scene. Angles in degrees.
+struct NamedCamera {
+    std::string name;
+    vec3 position{0.0f};
+    vec3 forward{0.0f, 0.0f, -1.0f};  // unit
+    vec3 up{0.0f, 1.0f, 0.0f};        // unit, orthogonal to forward
+    float fieldOfView = 60.0f;        // vertical, degrees
+};
+
+/// A camera path: keys are passed at equal times along a closed or open Catmull-Rom spline.
+struct CameraPath {
+    struct Key { vec3 position; vec3 target; };
+    std::string name;
+    float seconds = 10.0f;
+    bool closed = true;
+    std::vector<Key> keys;  // at least 2
+};
+
+class Scene {
+public:
+    std::string name;                 // as the user asked for it
+    std::vector<vec4> positions;      // object space, w = 0; one padding element at the end (Embree reads 16 bytes)
+    std::vector<VertexAttributes> attributes;  // one per position
+    std::vector<vec4> tangents;       // xyz unit, w = +-1; one per position or empty when no mesh has them
+    std::vector<uvec4> triangles;     // three absolute vertex indices and the material
+    std::vector<Mesh> meshes;
+    std::vector<Instance> instances;
+    std::vector<Material> materials;
+    std::vector<TextureSlot> textures;
+    std::vector<Image> images;
+    std::vector<ImageLevel> imageLevels;
+    std::vector<uint32_t> texels;
+    std::vector<Light> lights;
+    Environment environment{};
+
+    std::vector<std::string> materialNames;  // one per material, for messages and reasons
+    std::vector<NamedCamera> cameras;        // at least one; the first is where a viewer starts
+    std::vector<CameraPath> paths;           // may be empty
+    std::vector<std::string> warnings;       // what the loader changed, ignored or added
+    Bounds bounds;                           // world space
+    float aoRadius = 1.0f;                   // metres: what aoRadius = 1 means in this scene
+    float exposure = 0.0f;                   // EV that suits the scene, added to the viewer's
+    uint64_t contentHash = 0;                // of every array above
+
+    /// Triangles over all instances.
+    uint64_t triangleCount() const;
+    /// Bytes held by the arrays.
+    uint64_t bytes() const;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,72 @@
+#pragma once
+// Collects meshes, materials, images, lights and cameras and makes an immutable Scene of them. Everything a loader or a
+// generator needs; the kernel's layout is known here alone.
+//
+// finish() sanitises (non-finite vertices, zero-area triangles and indices out of range are dropped with a counted
+// warning), makes missing normals (area-weighted) and tangents (where a normal texture is used), splits meshes by opacity
+// class, bakes meshes that are used once into world space unless that would cost precision, builds mip pyramids and the
+// environment's ambient coefficients, adds a headlight where there is no light and says so, and a camera where there is
+// none.
+
+#include "server/base/progress.h"
+#include "server/scene/scene.h"
+
+#include <span>
+
+namespace heliograph {
+
+/// Triangles as loaded or generated, object space. All arrays but positions and indices may be empty.
+struct MeshData {
+    std::vector<vec3> positions;
+    std::vector<vec3> normals;
+    std::vector<vec2> uv0;
+    std::vector<vec2> uv1;
+    std::vector<vec4> tangents;      // w = handedness
+    std::vector<vec4> colors;        // linear RGBA, 0..1
+    std::vector<uvec3> indices;
+    std::vector<uint32_t> materials; // one per triangle, or empty: all material 0 (the default)
+};
+
+/// Pixels of an image before mip maps. Row-major, top row first.
+struct ImageData {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    bool srgb = true;             // rgba8 holds sRGB-coded colour
+    std::vector<uint8_t> rgba8;   // width * height * 4, or empty
+    std::vector<float> rgb32f;    // width * height * 3 for HDR, or empty
+    std::string name;
+};
+
+class SceneBuilder {
+public:
+    explicit SceneBuilder(std::string name);
+
+    /// Material 0 always exists: white, rough, metallic-roughness.
+    uint32_t addMaterial(const Material& material, const std::string& name);
+    uint32_t addImage(ImageData image);
+    uint32_t addTexture(const TextureSlot& slot);
+    uint32_t addMesh(MeshData mesh);
+    void addInstance(uint32_t mesh, const mat4& toWorld);
+    void addLight(const Light& light);
+    void addCamera(const NamedCamera& camera);
+    void addPath(const CameraPath& path);
+    void setEnvironmentColor(vec3 radiance);
+    void setEnvironmentImage(uint32_t image, float intensity = 1.0f, float rotation = 0.0f);
+    void setAoRadius(float metres);
+    void setExposure(float ev);
+    void warn(const std::string& message);
+
+    /// Ends the building; the builder is empty afterwards.
+    std::shared_ptr<const Scene> finish(const Progress& progress = {});
+
+    /// A metallic-roughness material with every texture field NO_INDEX and neutral values.
+    static Material defaultMaterial();
+    /// An identity slot for `image`.
+    static TextureSlot defaultTexture(uint32_t image);
+
+private:
+    struct Data;
+    std::shared_ptr<Data> data_;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,15 @@
+// One row per effect: EFFECT(bit, CONSTANT, name, setting that switches it or "", help). The including file defines EFFECT.
+// A scene calls for an effect (render/effect_set), a viewer's settings allow it; what is not in both costs no ray.
+EFFECT(0, EFFECT_SHADOWS, "shadows", "shadows", "Hard shadows: one ray per light and hit.")
+EFFECT(1, EFFECT_TRANSPARENT_SHADOWS, "transparentShadows", "shadows", "Shadow rays pass transparent surfaces and take their colour.")
+EFFECT(2, EFFECT_REFLECTIONS, "reflections", "reflections", "Mirror reflections on smooth metals, glass and polished surfaces.")
+EFFECT(3, EFFECT_REFRACTIONS, "refractions", "refractions", "Refraction through transmissive surfaces.")
+EFFECT(4, EFFECT_AMBIENT_OCCLUSION, "ambientOcclusion", "ambientOcclusion", "Ambient light is darkened where near geometry hides the sky.")
+EFFECT(5, EFFECT_ENVIRONMENT_IMAGE, "environment", "environment", "A lat-long image surrounds the scene.")
+EFFECT(6, EFFECT_TEXTURES, "textures", "", "Images on surfaces.")
+EFFECT(7, EFFECT_NORMAL_MAPS, "normalMaps", "", "Normal or bump images tilt the shading normal.")
+EFFECT(8, EFFECT_VERTEX_COLORS, "vertexColors", "", "Colours stored at vertices.")
+EFFECT(9, EFFECT_ALPHA_MASK, "alphaMask", "", "Cut-out surfaces: a texel is there or not.")
+EFFECT(10, EFFECT_ALPHA_BLEND, "alphaBlend", "", "Surfaces that let a part of the light straight through.")
+EFFECT(11, EFFECT_ABSORPTION, "absorption", "refractions", "Coloured glass darkens with the distance travelled in it (Beer-Lambert).")
+EFFECT(12, EFFECT_EMISSION, "emission", "", "Surfaces that glow.")

@@ -1,0 +1,38 @@
+#pragma once
+// The kernel's structs as C++: the same files that glslang compiles, with GLM's vectors.
+
+#define GLM_FORCE_XYZW_ONLY  // plain structs, no unions: the optimiser keeps vectors in registers
+#define GLM_FORCE_SILENT_WARNINGS
+#include <glm/glm.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace heliograph {
+
+using uint = std::uint32_t;
+using glm::ivec2;
+using glm::mat3;
+using glm::mat4;
+using glm::uvec2;
+using glm::uvec3;
+using glm::uvec4;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+#include "compat.glsl"
+#include "types.glsl"
+
+static_assert(sizeof(VertexAttributes) == 32 && offsetof(VertexAttributes, color) == 28);
+static_assert(sizeof(Mesh) == 32);
+static_assert(sizeof(Instance) == 112 && offsetof(Instance, mesh) == 96);
+static_assert(sizeof(Material) == 144 && offsetof(Material, metallic) == 80 && offsetof(Material, flags) == 112);
+static_assert(sizeof(TextureSlot) == 48 && offsetof(TextureSlot, image) == 24);
+static_assert(sizeof(Image) == 16 && sizeof(ImageLevel) == 16);
+static_assert(sizeof(Light) == 64 && offsetof(Light, intensity) == 32);
+static_assert(sizeof(Environment) == 192 && offsetof(Environment, ambient) == 32);
+static_assert(sizeof(KernelCamera) == 64);
+static_assert(offsetof(FrameConstants, resolution) == 64);
+
+}  // namespace heliograph

@@ -1,0 +1,189 @@
+// Every struct that a device sees, in one layout for C++ and GLSL (std430). Groups of 16 bytes; sizes are asserted in
+// kernel_types.h. Units: metres as the scene gives them, radiance in linear Rec. 709, angles in radians.
+#ifndef HELIOGRAPH_TYPES_GLSL
+#define HELIOGRAPH_TYPES_GLSL
+
+KERNEL_CONSTANT uint NO_INDEX = 0xffffffffu;
+
+// Effect bits, from the table.
+#define EFFECT(bit, CONSTANT, name, setting, help) KERNEL_CONSTANT uint CONSTANT = 1u << bit;
+#include "effect_table.glsl"
+#undef EFFECT
+
+// Material.flags
+KERNEL_CONSTANT uint MATERIAL_PHONG = 1u;         // Phong/MTL model; else metallic-roughness
+KERNEL_CONSTANT uint MATERIAL_UNLIT = 2u;         // shows its base colour
+KERNEL_CONSTANT uint MATERIAL_ALPHA_MASK = 4u;    // cut-out at alphaCutoff
+KERNEL_CONSTANT uint MATERIAL_ALPHA_BLEND = 8u;   // 1 - alpha passes straight through
+KERNEL_CONSTANT uint MATERIAL_VOLUME = 16u;       // a solid body: refracts and absorbs; else thin-walled
+KERNEL_CONSTANT uint MATERIAL_BUMP = 32u;         // normalTexture holds heights, not normals
+KERNEL_CONSTANT uint MATERIAL_OPACITY_RED = 64u;  // opacityTexture's red is alpha (MTL map_d)
+
+// One vertex beside its position, 32 bytes.
+struct VertexAttributes {
+    vec3 normal;  // unit, object space
+    float u0;
+    float v0;
+    float u1;
+    float v1;
+    uint color;   // RGBA8, linear, 0xffffffff = white
+};
+
+// A run of triangles with one opacity class. 32 bytes.
+struct Mesh {
+    uint firstTriangle;
+    uint triangleCount;
+    uint firstVertex;
+    uint vertexCount;
+    uint opacity;      // OPACITY_*
+    uint hasTangents;  // 0 or 1
+    uint root;         // root node of its tree in devices that own one
+    uint pad0;
+};
+KERNEL_CONSTANT uint OPACITY_OPAQUE = 0u;
+KERNEL_CONSTANT uint OPACITY_MASKED = 1u;       // needs an alpha test
+KERNEL_CONSTANT uint OPACITY_TRANSPARENT = 2u;  // passes light: blend or transmission
+
+// A placed mesh: 3x4 affine rows, 112 bytes. Rows hold (m0, m1, m2, translation).
+struct Instance {
+    vec4 toWorld0;
+    vec4 toWorld1;
+    vec4 toWorld2;
+    vec4 toObject0;
+    vec4 toObject1;
+    vec4 toObject2;
+    uint mesh;
+    uint flags;          // INSTANCE_*
+    uint firstTriangle;  // copy of the mesh's, saves a load
+    uint pad0;
+};
+KERNEL_CONSTANT uint INSTANCE_IDENTITY = 1u;  // transform is the identity
+KERNEL_CONSTANT uint INSTANCE_MIRRORED = 2u;  // determinant < 0: winding flips
+
+// One material for MTL and glTF alike, 144 bytes. Texture fields index TextureSlot, NO_INDEX = none.
+struct Material {
+    vec4 baseColor;    // rgb diffuse or base colour, a = alpha
+    vec4 emission;     // rgb radiance, w unused
+    vec4 specular;     // Phong: rgb Ks, w = Ns. Metallic-roughness: rgb specular tint (1), w unused
+    vec4 absorption;   // rgb coefficient per metre (Beer-Lambert), w unused
+    vec4 transmissionTint;  // rgb colour of transmitted light at the surface (MTL Tf), w unused
+    float metallic;
+    float roughness;
+    float transmission;  // share of the light not reflected that passes the surface
+    float ior;
+    float mirror;        // Phong: constant reflectance (RayEngine's Ir, or Ks of a mirror illum), 0 = none
+    float alphaCutoff;
+    float normalScale;
+    float occlusionStrength;
+    uint flags;          // MATERIAL_*
+    uint baseTexture;
+    uint metallicRoughnessTexture;
+    uint normalTexture;
+    uint emissionTexture;
+    uint opacityTexture;       // MTL map_d
+    uint transmissionTexture;  // red channel
+    uint specularTexture;      // MTL map_Ks
+};
+
+// A texture as a material uses it: image, uv set and KHR_texture_transform. 48 bytes.
+struct TextureSlot {
+    vec4 transform;  // (m00, m01, m10, m11): u' = m00 u + m01 v + offset.x
+    vec2 offset;
+    uint image;
+    uint uvSet;      // 0 or 1
+    uint wrapU;      // WRAP_*
+    uint wrapV;
+    uint nearest;    // 1 = no filtering
+    uint pad0;
+};
+KERNEL_CONSTANT uint WRAP_REPEAT = 0u;
+KERNEL_CONSTANT uint WRAP_CLAMP = 1u;
+KERNEL_CONSTANT uint WRAP_MIRROR = 2u;
+
+// A mip pyramid in the texel array. 16 bytes.
+struct Image {
+    uint firstLevel;  // index into imageLevels
+    uint levelCount;
+    uint format;      // IMAGE_*
+    uint pad0;
+};
+KERNEL_CONSTANT uint IMAGE_SRGB8 = 0u;    // RGBA8, colour is sRGB coded
+KERNEL_CONSTANT uint IMAGE_LINEAR8 = 1u;  // RGBA8, linear
+KERNEL_CONSTANT uint IMAGE_RGB9E5 = 2u;   // shared exponent, for environments
+
+// One mip level: texel index of its first texel (row-major, top row first) and its size. 16 bytes.
+struct ImageLevel {
+    uint firstTexel;
+    uint width;
+    uint height;
+    uint pad0;
+};
+
+KERNEL_CONSTANT uint LIGHT_POINT = 0u;
+KERNEL_CONSTANT uint LIGHT_SPOT = 1u;
+KERNEL_CONSTANT uint LIGHT_DIRECTIONAL = 2u;
+KERNEL_CONSTANT uint LIGHT_HEADLIGHT = 3u;  // shines from the camera, no falloff
+KERNEL_CONSTANT uint FALLOFF_INVERSE_SQUARE = 0u;
+KERNEL_CONSTANT uint FALLOFF_LINEAR = 1u;   // max(1 - d / range, 0), as RayEngine's lights
+
+// 64 bytes.
+struct Light {
+    vec3 position;
+    float range;       // 0 = unlimited
+    vec3 direction;    // unit, the way the light travels (spot, directional)
+    float cosInner;
+    vec3 intensity;    // point and spot: radiant intensity; directional: irradiance; linear falloff: irradiance at 0
+    float cosOuter;
+    uint type;
+    uint falloff;
+    uint pad0;
+    uint pad1;
+};
+
+// What surrounds the scene. 192 bytes.
+struct Environment {
+    vec4 color;        // rgb mean radiance, used where there is no image
+    uint image;        // RGB9E5 or SRGB8 lat-long image or NO_INDEX
+    float intensity;   // multiplies the image
+    float rotation;    // radians about +Y
+    uint pad0;
+    vec4 ambient[9];   // order-2 spherical harmonics of irradiance / pi, already scaled
+    vec4 pad1;
+};
+
+// A pinhole camera, ready for the kernel. Pixel (x, y) looks along forward + sx * right + sy * up, 64 bytes.
+struct KernelCamera {
+    vec3 origin;
+    float pixelSpread;  // angle between neighbouring pixels, radians
+    vec3 forward;       // unit
+    float pad0;
+    vec3 right;         // scaled by tan(fov/2) * aspect
+    float pad1;
+    vec3 up;            // scaled by tan(fov/2)
+    float pad2;
+};
+
+// The frame's constants, the kernel's only input beside the scene.
+struct FrameConstants {
+    KernelCamera camera;
+    uvec2 resolution;
+    uint effects;     // EffectSet bits
+    uint lightCount;
+    float aoDistance; // aoRadius setting times the scene's own radius, metres
+    uint seed;
+#define SETTING_BOOL(name, def, label, effect, price, help)
+#define SETTING_INT(name, def, low, high, unit, label, effect, price, help)
+#define SETTING_FLOAT(name, def, low, high, unit, label, effect, price, help)
+#define SETTING_CHOICE(name, def, choices, label, effect, price, help)
+#define SETTING_K_INT(name, def, low, high, unit, label, effect, price, help) uint name;
+#define SETTING_K_FLOAT(name, def, low, high, unit, label, effect, price, help) float name;
+#include "settings_table.glsl"
+#undef SETTING_BOOL
+#undef SETTING_INT
+#undef SETTING_FLOAT
+#undef SETTING_CHOICE
+#undef SETTING_K_INT
+#undef SETTING_K_FLOAT
+};
+
+#endif
