@@ -1,0 +1,20 @@
+#pragma once
+// Scenes that the program makes by itself: geometry, images, lights, cameras and paths, all computed, no file needed. The
+// same name gives the same scene on every run. One source file per scene; shared tools are mesh_writer and shapes (geometry)
+// and noise, surfaces and sky (images). scenes/README.md describes each scene.
+
+#include "server/scene/scene_builder.h"
+#include "server/scene/scene_source.h"
+
+#include <string>
+#include <vector>
+
+namespace heliograph {
+
+/// Names and descriptions, in the order in which they are offered. The first is what a newcomer sees.
+const std::vector<SceneRecipe>& generatedRecipes();
+
+/// Fills `builder` with the scene `name`. Throws InputError naming the known scenes if there is none of that name.
+void generateScene(const std::string& name, SceneBuilder& builder);
+
+}  // namespace heliograph
