@@ -1,0 +1,42 @@
+#include "server/scene/generate/generate.h"
+
+#include "server/base/error.h"
+#include "server/scene/generate/scenes.h"
+
+namespace heliograph {
+
+namespace {
+
+struct Entry {
+    SceneRecipe recipe;
+    void (*fill)(SceneBuilder& builder);
+};
+
+const std::vector<Entry>& entries() {
+    static const std::vector<Entry> table = {
+        {{"cornell", "The classic box: red and green walls, two blocks, a glass ball and a mirror ball"}, fillCornell},
+    };
+    return table;
+}
+
+}  // namespace
+
+const std::vector<SceneRecipe>& generatedRecipes() {
+    static const std::vector<SceneRecipe> recipes = [] {
+        std::vector<SceneRecipe> list;
+        for (const Entry& entry : entries()) list.push_back(entry.recipe);
+        return list;
+    }();
+    return recipes;
+}
+
+void generateScene(const std::string& name, SceneBuilder& builder) {
+    std::string known;
+    for (const Entry& entry : entries()) {
+        if (entry.recipe.name == name) return entry.fill(builder);
+        known += (known.empty() ? "" : ", ") + entry.recipe.name;
+    }
+    throw InputError("scene", "no scene is called '" + name + "'", known);
+}
+
+}  // namespace heliograph

@@ -1,0 +1,13 @@
+#pragma once
+// The generated scenes, one source file each.
+
+#include "server/scene/scene_builder.h"
+
+namespace heliograph {
+
+void fillCourtyard(SceneBuilder& builder);
+void fillCathedral(SceneBuilder& builder);
+void fillGlass(SceneBuilder& builder);
+void fillCornell(SceneBuilder& builder);
+
+}  // namespace heliograph
