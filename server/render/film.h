@@ -1,40 +1,75 @@
 #pragma once
-// The picture while it is made: sums of radiance per pixel in double, and how far each cell has come. A result is taken
-// only if it continues its cells exactly, so late, stale and duplicate results are harmless: the first one wins.
+// The picture while it is made: sums of radiance per pixel in double, and how far each block has come. A result is taken
+// only if it continues its blocks exactly, so late, stale and duplicate results are harmless: the first one wins.
 
 #include "server/render/tile.h"
 
+#include <condition_variable>
 #include <mutex>
 
 namespace heliograph {
 
 class Film {
 public:
-    /// Empties the film for a new request. Allocates only when the size grows.
+    /// Side of the squares of pixels whose progress is tracked; those at the right and lower border are cut by it. A tile
+    /// starts on a block's border and ends on one or at the picture's edge.
+    static constexpr uint32_t BLOCK = 8;
+
+    /// Empties the film for a new request. Allocates only when the size grows. Waits for adds in progress.
     void reset(uvec2 resolution, uint32_t generation);
-    /// Adds a result whose tile covers whole cells. False, and nothing changes, if it is of another generation or does not
-    /// start at the sample that its cells have reached. Safe from several threads.
+    /// Adds a result. False, and nothing changes, if it is of another generation, is not made of whole blocks, does not
+    /// hold a sum per pixel, or does not start at the sample that all its blocks have reached. Safe from several threads.
     bool add(const TileResult& result);
 
     uvec2 resolution() const { return resolution_; }
     uint32_t generation() const { return generation_; }
-    /// The whole picture as tiles of `cellsX` x `cellsY` cells for samples [first, first + count).
+    /// The whole picture as tiles of `tileSize` pixels (multiples of BLOCK) for samples [first, first + count).
     std::vector<Tile> tilesFor(uint32_t firstSample, uint32_t sampleCount, uvec2 tileSize) const;
-    /// Samples of the cell that is behind most.
+    /// Samples of the block that is behind most.
     uint32_t completedSamples() const;
     /// Mean radiance, linear, row-major RGB + number of samples in w. Pixels without samples are 0.
     void develop(std::vector<vec4>& pixels) const;
-    /// Estimated relative standard error of the mean over the picture; 1 while a pixel has fewer than 2 samples.
+    /// The same for the rows [firstRow, lastRow) alone, into `pixels` of width * (lastRow - firstRow). Several threads may
+    /// develop at once.
+    void develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const;
+    /// Estimated standard error of the pixels' mean luminance (root mean square over the picture) as a share of the
+    /// picture's mean luminance; 1 while a pixel has fewer than 2 samples. Large pictures are judged by every 16th pixel.
     double relativeError() const;
 
 private:
-    struct Cell { uint32_t samples = 0; };
+    struct Block {
+        uint32_t samples = 0;
+        bool busy = false;  // an add writes its pixels
+    };
+
+    /// While one lives, nothing is added. Several may live at once.
+    class Reading {
+    public:
+        explicit Reading(const Film& film);
+        ~Reading();
+        Reading(const Reading&) = delete;
+
+    private:
+        const Film& film_;
+    };
+
+    /// Whether the tile is made of whole blocks of this film and has samples.
+    bool fits(const Tile& tile) const;
+    /// Claims the tile's blocks for an add; false if they are not exactly at its first sample.
+    bool claim(const TileResult& result);
+    void release(const Tile& tile);
+    template <typename Visit>
+    bool everyBlock(const Tile& tile, Visit visit);
+
     uvec2 resolution_{0, 0};
-    uvec2 cells_{0, 0};
+    uvec2 blockCount_{0, 0};
     uint32_t generation_ = 0;
-    std::vector<glm::dvec4> sums_;  // rgb sum, squared luminance sum
-    std::vector<Cell> progress_;
-    mutable std::mutex mutex_;
+    std::vector<glm::dvec4> sums_;  // rgb sum, squared luminance sum; meaningless where the block has no samples
+    std::vector<Block> blocks_;
+    mutable std::mutex mutex_;  // guards all but sums_, which belong to the claimed blocks or to the readers
+    mutable std::condition_variable changed_;
+    mutable uint32_t readers_ = 0;  // reading or waiting to; they go before adds
+    uint32_t adds_ = 0;             // in progress
 };
 
 }  // namespace heliograph

@@ -28,14 +28,20 @@ struct Settings {
 
     bool operator==(const Settings&) const = default;
 
-    /// Sets one field from JSON (bool, number, or the choice's word). Throws InputError naming field, found value, range.
+    /// Sets one field from JSON: bool, number, or for a choice its word or a number that spells it. Throws InputError
+    /// naming field, found value and range; nothing has changed then.
     void set(std::string_view name, const nlohmann::json& value);
-    /// Sets one field from `key=value` as given on a command line.
-    void setFromText(std::string_view keyEqualsValue);
+    /// Sets one field from `key=value` as given on a command line and returns its name. Throws InputError.
+    std::string setFromText(std::string_view keyEqualsValue);
+    /// All fields by name; choices as their word.
     nlohmann::json toJson() const;
     /// The word of a choice setting's present value.
+    /// Throws std::out_of_range for an unknown choice setting or value.
     static std::string choiceWord(std::string_view name, uint32_t value);
 };
+
+/// Size of a CPU tile in pixels, multiples of 8. With `tiles` off: rows wider than any picture (Film::tilesFor cuts them).
+uvec2 tileSize(const Settings& settings);
 
 /// The table as JSON for the client's form: [{name, type: bool|int|float|choice, default, low, high, unit, label, effect,
 /// price, help, choices?}].

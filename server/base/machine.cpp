@@ -1,0 +1,60 @@
+#include "server/base/machine.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace heliograph {
+
+namespace {
+
+/// The rest of the first line of `file` that begins with `key`, without colon and blanks; empty if there is none.
+std::string valueOf(const char* file, const std::string& key) {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+        if (line.compare(0, key.size(), key) != 0) continue;
+        size_t begin = line.find_first_not_of(" \t:", key.size());
+        return begin == std::string::npos ? "" : line.substr(begin);
+    }
+    return {};
+}
+
+uint64_t kilobytesOf(const std::string& key) {
+    std::istringstream text(valueOf("/proc/self/status", key));
+    uint64_t kilobytes = 0;
+    text >> kilobytes;
+    return kilobytes * 1024;
+}
+
+/// Processors that the control group grants (cgroup v2 cpu.max: quota and period in microseconds); 0 = no limit.
+double grantedProcessors() {
+    std::ifstream in("/sys/fs/cgroup/cpu.max");
+    double quota = 0.0, period = 0.0;
+    // The quota reads "max" where there is none; then the extraction fails.
+    if (!(in >> quota >> period) || period <= 0.0) return 0.0;
+    return quota / period;
+}
+
+}  // namespace
+
+std::string processorName() {
+    std::string name = valueOf("/proc/cpuinfo", "model name");
+    return name.empty() ? "unknown processor" : name;
+}
+
+uint32_t usableProcessors() {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    int count = sched_getaffinity(0, sizeof(set), &set) == 0 ? CPU_COUNT(&set) : 1;
+    double granted = grantedProcessors();
+    if (granted > 0.0) count = std::min(count, static_cast<int>(std::ceil(granted)));
+    return static_cast<uint32_t>(std::max(count, 1));
+}
+
+uint64_t residentBytes() { return kilobytesOf("VmRSS"); }
+uint64_t peakResidentBytes() { return kilobytesOf("VmHWM"); }
+
+}  // namespace heliograph

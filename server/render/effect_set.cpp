@@ -1,0 +1,236 @@
+#include "server/render/effect_set.h"
+
+#include <algorithm>
+#include <functional>
+
+namespace heliograph {
+
+namespace {
+
+/// What of a scene is really there: a material counts when a triangle that is placed at least once has it.
+struct Usage {
+    const Scene& scene;
+    std::vector<uint64_t> trianglesOf;  // by material, over all instances
+    std::vector<bool> coloured;         // by material: a vertex of its triangles is not white
+    uint64_t triangles = 0;
+
+    explicit Usage(const Scene& s)
+        : scene(s), trianglesOf(s.materials.size(), 0), coloured(s.materials.size(), false) {
+        std::vector<uint64_t> uses(s.meshes.size(), 0);
+        for (const Instance& instance : s.instances) uses[instance.mesh]++;
+        for (size_t m = 0; m < s.meshes.size(); m++) {
+            const Mesh& mesh = s.meshes[m];
+            if (uses[m] == 0) continue;
+            for (uint32_t t = 0; t < mesh.triangleCount; t++) {
+                uvec4 triangle = s.triangles[mesh.firstTriangle + t];
+                trianglesOf[triangle.w] += uses[m];
+                triangles += uses[m];
+                if (s.attributes[triangle.x].color != 0xffffffffu || s.attributes[triangle.y].color != 0xffffffffu ||
+                    s.attributes[triangle.z].color != 0xffffffffu) {
+                    coloured[triangle.w] = true;
+                }
+            }
+        }
+    }
+};
+
+std::string withThousands(uint64_t number) {
+    std::string digits = std::to_string(number);
+    for (size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+    return digits;
+}
+
+std::string counted(uint64_t number, const std::string& noun) {
+    return withThousands(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
+struct Finding {
+    bool calledFor = false;
+    std::string because;
+};
+
+/// Called for by the used materials that `wanted` picks; names the first of them, those with most triangles first.
+Finding byMaterial(const Usage& usage, const std::string& lack, const std::function<bool(uint32_t)>& wanted) {
+    std::vector<uint32_t> found;
+    uint64_t triangles = 0;
+    for (uint32_t m = 0; m < usage.trianglesOf.size(); m++) {
+        if (usage.trianglesOf[m] == 0 || !wanted(m)) continue;
+        found.push_back(m);
+        triangles += usage.trianglesOf[m];
+    }
+    if (found.empty()) return {false, lack};
+    std::stable_sort(found.begin(), found.end(),
+                     [&](uint32_t a, uint32_t b) { return usage.trianglesOf[a] > usage.trianglesOf[b]; });
+    constexpr size_t NAMED = 4;
+    std::string names;
+    for (size_t i = 0; i < std::min(found.size(), NAMED); i++) {
+        const std::string& name = usage.scene.materialNames[found[i]];
+        names += (i == 0 ? "" : ", ") + (name.empty() ? "material " + std::to_string(found[i]) : name);
+    }
+    if (found.size() > NAMED) names += ", ...";
+    return {true, counted(found.size(), "material") + " (" + names + "), " + counted(triangles, "triangle")};
+}
+
+bool hasTexture(const Material& m) {
+    for (uint32_t slot : {m.baseTexture, m.metallicRoughnessTexture, m.normalTexture, m.emissionTexture, m.opacityTexture,
+                          m.transmissionTexture, m.specularTexture}) {
+        if (slot != NO_INDEX) return true;
+    }
+    return false;
+}
+
+bool lit(const Material& m) { return (m.flags & MATERIAL_UNLIT) == 0; }
+bool phong(const Material& m) { return (m.flags & MATERIAL_PHONG) != 0; }
+
+/// Lets light through; a full metal never does.
+bool transmits(const Material& m) {
+    bool metal = !phong(m) && m.metallic >= 1.0f && m.metallicRoughnessTexture == NO_INDEX;
+    return lit(m) && m.transmission > 0.0f && !metal;
+}
+
+/// The smallest roughness that the material shows: factor times the least green texel of its texture.
+float leastRoughness(const Scene& scene, const Material& m) {
+    if (m.metallicRoughnessTexture == NO_INDEX) return m.roughness;
+    const Image& image = scene.images[scene.textures[m.metallicRoughnessTexture].image];
+    if (image.format == IMAGE_RGB9E5) return 0.0f;
+    const ImageLevel& level = scene.imageLevels[image.firstLevel];
+    uint32_t least = 255;
+    for (uint64_t i = 0; i < static_cast<uint64_t>(level.width) * level.height; i++) {
+        least = std::min(least, (scene.texels[level.firstTexel + i] >> 8) & 255u);
+    }
+    return m.roughness * static_cast<float>(least) / 255.0f;
+}
+
+/// Whether the kernel would follow a mirror ray from it (material.glsl: traceableShare is 0 from roughness 0.4).
+bool reflects(const Scene& scene, const Material& m) {
+    if (!lit(m)) return false;
+    if (m.mirror > 0.01f || transmits(m)) return true;
+    if (phong(m)) return false;
+    bool metal = m.metallic > 0.0f;
+    bool tinted = m.specular.x > 0.0f || m.specular.y > 0.0f || m.specular.z > 0.0f;
+    bool dielectric = m.ior != 1.0f && tinted;
+    return (metal || dielectric) && leastRoughness(scene, m) < 0.4f;
+}
+
+Finding shadowsIn(const Usage& usage) {
+    const Scene& scene = usage.scene;
+    if (scene.lights.empty()) return {false, "no light"};
+    if (usage.triangles == 0) return {false, "no triangles"};
+    static const char* const KINDS[] = {"point", "spot", "directional", "headlight"};
+    std::string kinds;
+    for (uint32_t type = 0; type < 4; type++) {
+        auto number = std::count_if(scene.lights.begin(), scene.lights.end(), [&](const Light& l) { return l.type == type; });
+        if (number > 0) kinds += (kinds.empty() ? "" : ", ") + std::to_string(number) + " " + KINDS[type];
+    }
+    return {true, counted(scene.lights.size(), "light") + " (" + kinds + ")"};
+}
+
+Finding transparentShadowsIn(const Usage& usage) {
+    if (usage.scene.lights.empty()) return {false, "no light"};
+    return byMaterial(usage, "no surface lets light through", [&](uint32_t m) {
+        const Material& material = usage.scene.materials[m];
+        return transmits(material) || (material.flags & MATERIAL_ALPHA_BLEND) != 0;
+    });
+}
+
+Finding environmentIn(const Usage& usage) {
+    const Scene& scene = usage.scene;
+    if (scene.environment.image == NO_INDEX) return {false, "no environment image"};
+    const ImageLevel& level = scene.imageLevels[scene.images[scene.environment.image].firstLevel];
+    return {true, "an image of " + std::to_string(level.width) + "x" + std::to_string(level.height) + " pixels"};
+}
+
+Finding instancingIn(const Usage& usage) {
+    const auto& instances = usage.scene.instances;
+    auto placed = std::count_if(instances.begin(), instances.end(),
+                                [](const Instance& i) { return (i.flags & INSTANCE_IDENTITY) == 0; });
+    if (placed == 0) return {false, "every mesh stands where its vertices say"};
+    return {true, counted(static_cast<uint64_t>(placed), "placed instance") + ", " +
+                      counted(usage.scene.triangles.size(), "stored triangle")};
+}
+
+Finding findingFor(uint32_t effect, const Usage& usage) {
+    auto material = [&](const char* lack, auto&& wanted) {
+        return byMaterial(usage, lack, [&](uint32_t m) { return wanted(usage.scene.materials[m]); });
+    };
+    switch (effect) {
+        case EFFECT_SHADOWS: return shadowsIn(usage);
+        case EFFECT_TRANSPARENT_SHADOWS: return transparentShadowsIn(usage);
+        case EFFECT_REFLECTIONS: 
+            return material("no mirror, glass or smooth surface", [&](const Material& m) { return reflects(usage.scene, m); });
+        case EFFECT_REFRACTIONS:
+            return material("no transmissive material", transmits);
+        case EFFECT_AMBIENT_OCCLUSION:
+            if (usage.triangles == 0) return {false, "no triangles"};
+            return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
+        case EFFECT_ENVIRONMENT_IMAGE: return environmentIn(usage);
+        case EFFECT_TEXTURES: return material("no material has a texture", hasTexture);
+        case EFFECT_NORMAL_MAPS:
+            return material("no normal or bump image", [](const Material& m) { return m.normalTexture != NO_INDEX; });
+        case EFFECT_VERTEX_COLORS:
+            return byMaterial(usage, "every vertex is white", [&](uint32_t m) { return bool(usage.coloured[m]); });
+        case EFFECT_ALPHA_MASK:
+            return material("no cut-out material", [](const Material& m) { return (m.flags & MATERIAL_ALPHA_MASK) != 0; });
+        case EFFECT_ALPHA_BLEND:
+            return material("no blended material", [](const Material& m) { return (m.flags & MATERIAL_ALPHA_BLEND) != 0; });
+        case EFFECT_ABSORPTION:
+            return material("no body that absorbs", [](const Material& m) {
+                vec4 a = m.absorption;
+                return (m.flags & MATERIAL_VOLUME) != 0 && transmits(m) && (a.x > 0.0f || a.y > 0.0f || a.z > 0.0f);
+            });
+        case EFFECT_EMISSION:
+            return material("nothing glows", [](const Material& m) {
+                return m.emission.x > 0.0f || m.emission.y > 0.0f || m.emission.z > 0.0f;
+            });
+        case EFFECT_INSTANCING: return instancingIn(usage);
+        default: break;
+    }
+    // A row added to the table without a rule here is on: never a wrong picture, and the reason says what to do.
+    return {true, "no rule in render/effect_set"};
+}
+
+}  // namespace
+
+std::vector<EffectReason> explainEffects(const Scene& scene) {
+    const Usage usage(scene);
+    std::vector<EffectReason> reasons;
+#define EFFECT(bit, CONSTANT, name, setting, help)                    \
+    {                                                                 \
+        Finding finding = findingFor(CONSTANT, usage);                \
+        reasons.push_back({name, CONSTANT, finding.calledFor, finding.because}); \
+    }
+#include "shaders/kernel/effect_table.glsl"
+#undef EFFECT
+    return reasons;
+}
+
+EffectSet effectsOf(const Scene& scene) {
+    EffectSet effects;
+    for (const EffectReason& reason : explainEffects(scene)) {
+        if (reason.calledFor) effects.bits |= reason.bit;
+    }
+    return effects;
+}
+
+EffectSet allowedEffects(const Settings& settings) {
+    const nlohmann::json values = settings.toJson();
+    EffectSet allowed;
+#define EFFECT(bit, CONSTANT, name, setting, help) \
+    if (std::string_view(setting).empty() || values.at(setting).get<bool>()) allowed.bits |= CONSTANT;
+#include "shaders/kernel/effect_table.glsl"
+#undef EFFECT
+    // A radius of 0 darkens nothing, so no ray is spent on it.
+    if (settings.aoRadius <= 0.0f) allowed.bits &= ~EFFECT_AMBIENT_OCCLUSION;
+    return allowed;
+}
+
+std::vector<std::string> effectNames(EffectSet effects) {
+    std::vector<std::string> names;
+#define EFFECT(bit, CONSTANT, name, setting, help) \
+    if (effects.has(CONSTANT)) names.push_back(name);
+#include "shaders/kernel/effect_table.glsl"
+#undef EFFECT
+    return names;
+}
+
+}  // namespace heliograph

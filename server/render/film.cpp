@@ -1,0 +1,181 @@
+#include "server/render/film.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace heliograph {
+
+namespace {
+
+uint32_t blocksOf(uint32_t pixels) { return (pixels + Film::BLOCK - 1) / Film::BLOCK; }
+
+glm::dvec4 asSum(vec4 v) { return glm::dvec4(v.x, v.y, v.z, v.w); }
+
+/// Luminance of Rec. 709 primaries; the same weights as the kernel's (ITU-R BT.709).
+double luminance(const glm::dvec4& rgb) { return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z; }
+
+}  // namespace
+
+Film::Reading::Reading(const Film& film) : film_(film) {
+    std::unique_lock lock(film.mutex_);
+    film.readers_++;
+    film.changed_.wait(lock, [&] { return film.adds_ == 0; });
+}
+
+Film::Reading::~Reading() {
+    {
+        std::lock_guard lock(film_.mutex_);
+        film_.readers_--;
+    }
+    film_.changed_.notify_all();
+}
+
+void Film::reset(uvec2 resolution, uint32_t generation) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return adds_ == 0 && readers_ == 0; });
+    resolution_ = resolution;
+    blockCount_ = uvec2(blocksOf(resolution.x), blocksOf(resolution.y));
+    generation_ = generation;
+    // The sums are not cleared: the first add of a block writes them.
+    sums_.resize(static_cast<size_t>(resolution.x) * resolution.y);
+    blocks_.assign(static_cast<size_t>(blockCount_.x) * blockCount_.y, Block{});
+}
+
+bool Film::fits(const Tile& tile) const {
+    auto edge = [](uint32_t origin, uint32_t size, uint32_t limit) {
+        uint64_t end = static_cast<uint64_t>(origin) + size;
+        return origin % BLOCK == 0 && size > 0 && end <= limit && (end % BLOCK == 0 || end == limit);
+    };
+    return edge(tile.origin.x, tile.size.x, resolution_.x) && edge(tile.origin.y, tile.size.y, resolution_.y) &&
+           tile.sampleCount > 0;
+}
+
+template <typename Visit>
+bool Film::everyBlock(const Tile& tile, Visit visit) {
+    uvec2 first = tile.origin / BLOCK;
+    uvec2 end(blocksOf(tile.origin.x + tile.size.x), blocksOf(tile.origin.y + tile.size.y));
+    for (uint32_t y = first.y; y < end.y; y++) {
+        for (uint32_t x = first.x; x < end.x; x++) {
+            if (!visit(blocks_[static_cast<size_t>(y) * blockCount_.x + x])) return false;
+        }
+    }
+    return true;
+}
+
+bool Film::claim(const TileResult& result) {
+    const Tile& tile = result.tile;
+    std::unique_lock lock(mutex_);
+    auto continues = [&] {
+        return tile.generation == generation_ && fits(tile) &&
+               result.radianceSum.size() == static_cast<size_t>(tile.size.x) * tile.size.y &&
+               everyBlock(tile, [&](const Block& b) { return b.samples == tile.firstSample; });
+    };
+    // A claim moves the count at once: a duplicate of a result that is just being added is refused here, while one that
+    // continues it waits for the few microseconds that the add takes.
+    if (!continues()) return false;
+    changed_.wait(lock, [&] {
+        return !continues() || (readers_ == 0 && everyBlock(tile, [](const Block& b) { return !b.busy; }));
+    });
+    if (!continues()) return false;
+    everyBlock(tile, [&](Block& b) {
+        b.samples += tile.sampleCount;
+        b.busy = true;
+        return true;
+    });
+    adds_++;
+    return true;
+}
+
+void Film::release(const Tile& tile) {
+    {
+        std::lock_guard lock(mutex_);
+        adds_--;
+        everyBlock(tile, [](Block& b) { b.busy = false; return true; });
+    }
+    changed_.notify_all();
+}
+
+bool Film::add(const TileResult& result) {
+    if (!claim(result)) return false;
+    const Tile& tile = result.tile;
+    const vec4* from = result.radianceSum.data();
+    for (uint32_t y = 0; y < tile.size.y; y++, from += tile.size.x) {
+        glm::dvec4* to = &sums_[static_cast<size_t>(tile.origin.y + y) * resolution_.x + tile.origin.x];
+        if (tile.firstSample == 0) {
+            for (uint32_t x = 0; x < tile.size.x; x++) to[x] = asSum(from[x]);
+        } else {
+            for (uint32_t x = 0; x < tile.size.x; x++) to[x] += asSum(from[x]);
+        }
+    }
+    release(tile);
+    return true;
+}
+
+std::vector<Tile> Film::tilesFor(uint32_t firstSample, uint32_t sampleCount, uvec2 tileSize) const {
+    std::vector<Tile> tiles;
+    for (uint32_t y = 0; y < resolution_.y; y += tileSize.y) {
+        for (uint32_t x = 0; x < resolution_.x; x += tileSize.x) {
+            uvec2 size(std::min(tileSize.x, resolution_.x - x), std::min(tileSize.y, resolution_.y - y));
+            tiles.push_back({uvec2(x, y), size, firstSample, sampleCount, generation_});
+        }
+    }
+    return tiles;
+}
+
+uint32_t Film::completedSamples() const {
+    Reading reading(*this);
+    uint32_t least = std::numeric_limits<uint32_t>::max();
+    for (const Block& block : blocks_) least = std::min(least, block.samples);
+    return blocks_.empty() ? 0 : least;
+}
+
+void Film::develop(std::vector<vec4>& pixels) const {
+    pixels.resize(static_cast<size_t>(resolution_.x) * resolution_.y);
+    develop(0, resolution_.y, pixels.data());
+}
+
+void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
+    Reading reading(*this);
+    for (uint32_t y = firstRow; y < lastRow; y++) {
+        const glm::dvec4* sums = &sums_[static_cast<size_t>(y) * resolution_.x];
+        const Block* blocks = &blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x];
+        for (uint32_t block = 0; block < blockCount_.x; block++) {
+            uint32_t samples = blocks[block].samples;
+            uint32_t end = std::min((block + 1) * BLOCK, resolution_.x);
+            double scale = samples == 0 ? 0.0 : 1.0 / samples;
+            for (uint32_t x = block * BLOCK; x < end; x++, pixels++) {
+                if (samples == 0) *pixels = vec4(0.0f);
+                else *pixels = vec4(sums[x].x * scale, sums[x].y * scale, sums[x].z * scale, static_cast<float>(samples));
+            }
+        }
+    }
+}
+
+double Film::relativeError() const {
+    Reading reading(*this);
+    // One pixel in 16 on a slanted grid is plenty for a figure over the whole picture and keeps this off the frame's time.
+    const uint32_t step = sums_.size() > 65536 ? 16 : 1;
+    double sumOfMeans = 0.0, sumOfErrors = 0.0;
+    uint64_t count = 0;
+    for (uint32_t y = 0; y < resolution_.y; y++) {
+        for (uint32_t x = (y * 5) % step; x < resolution_.x; x += step) {
+            const Block& block = blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x + x / BLOCK];
+            if (block.samples < 2) return 1.0;
+            const glm::dvec4& sum = sums_[static_cast<size_t>(y) * resolution_.x + x];
+            double samples = block.samples;
+            double mean = luminance(sum) / samples;
+            double variance = std::max(0.0, sum.w / samples - mean * mean) * samples / (samples - 1.0);
+            sumOfMeans += mean;
+            sumOfErrors += variance / samples;
+            count++;
+        }
+    }
+    if (count == 0) return 1.0;
+    double mean = sumOfMeans / static_cast<double>(count);
+    // A black picture without variance is exact.
+    if (!(mean > 0.0)) return sumOfErrors > 0.0 ? 1.0 : 0.0;
+    return std::min(1.0, std::sqrt(sumOfErrors / static_cast<double>(count)) / mean);
+}
+
+}  // namespace heliograph

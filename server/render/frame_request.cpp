@@ -1,0 +1,30 @@
+#include "server/render/frame_request.h"
+
+namespace heliograph {
+
+FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
+    FrameConstants constants{};
+    constants.camera = kernelCamera(request.camera, request.resolution);
+    constants.resolution = request.resolution;
+    constants.effects = request.effects.bits;
+    constants.lightCount = static_cast<uint32_t>(scene.lights.size());
+    constants.aoDistance = request.settings.aoRadius * scene.aoRadius;
+    // One sequence for every request: pictures of the same view are equal, and so are films of two servers.
+    constants.seed = 1;
+#define SETTING_BOOL(name, def, label, effect, price, help)
+#define SETTING_INT(name, def, low, high, unit, label, effect, price, help)
+#define SETTING_FLOAT(name, def, low, high, unit, label, effect, price, help)
+#define SETTING_CHOICE(name, def, choices, label, effect, price, help)
+#define SETTING_K_INT(name, def, low, high, unit, label, effect, price, help) constants.name = request.settings.name;
+#define SETTING_K_FLOAT(name, def, low, high, unit, label, effect, price, help) constants.name = request.settings.name;
+#include "shaders/kernel/settings_table.glsl"
+#undef SETTING_BOOL
+#undef SETTING_INT
+#undef SETTING_FLOAT
+#undef SETTING_CHOICE
+#undef SETTING_K_INT
+#undef SETTING_K_FLOAT
+    return constants;
+}
+
+}  // namespace heliograph
