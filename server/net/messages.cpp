@@ -1,0 +1,99 @@
+#include "server/net/messages.h"
+
+#include "server/render/effect_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace heliograph {
+
+namespace {
+
+using nlohmann::json;
+
+json array(vec3 v) { return json::array({v.x, v.y, v.z}); }
+
+json cameraJson(const NamedCamera& camera) {
+    return {{"name", camera.name}, {"position", array(camera.position)}, {"forward", array(camera.forward)},
+            {"up", array(camera.up)}, {"fieldOfView", camera.fieldOfView}};
+}
+
+/// Names from files may hold bytes that are no UTF-8; a browser closes the connection over those.
+std::string text(const json& message) { return message.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+/// JSON has no infinity; figures that were never measured are 0.
+double finite(double value) { return std::isfinite(value) ? value : 0.0; }
+
+}  // namespace
+
+std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes) {
+    json offered = json::array();
+    for (const SceneRecipe& scene : scenes) offered.push_back({{"name", scene.name}, {"description", scene.description}});
+    return text({{"type", "hello"}, {"protocol", PROTOCOL_NAME}, {"server", HELIOGRAPH_VERSION}, {"viewer", viewer},
+                 {"schema", settingsSchema()}, {"scenes", offered}, {"maxUnacked", MAX_UNACKED}});
+}
+
+std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share) {
+    return text({{"type", "scene"}, {"name", name}, {"state", "loading"}, {"what", what},
+                 {"share", std::clamp(finite(share), 0.0, 1.0)}});
+}
+
+std::string sceneReadyMessage(const std::string& name, const Scene& scene) {
+    json cameras = json::array(), paths = json::array(), effects = json::array();
+    for (const NamedCamera& camera : scene.cameras) cameras.push_back(cameraJson(camera));
+    for (const CameraPath& path : scene.paths) paths.push_back(path.name);
+    for (const EffectReason& row : explainEffects(scene)) {
+        effects.push_back({{"name", row.name}, {"calledFor", row.calledFor}, {"because", row.because}});
+    }
+    json bounds = nullptr;
+    if (!scene.bounds.empty()) bounds = {{"low", array(scene.bounds.low)}, {"high", array(scene.bounds.high)}};
+    return text({{"type", "scene"}, {"name", name}, {"state", "ready"}, {"camera", cameras.empty() ? json() : cameras[0]},
+                 {"cameras", cameras}, {"paths", paths}, {"bounds", bounds}, {"triangles", scene.triangleCount()},
+                 {"instances", scene.instances.size()}, {"lights", scene.lights.size()}, {"warnings", scene.warnings},
+                 {"effects", effects}, {"radius", scene.bounds.radius()}});
+}
+
+std::string sceneFailedMessage(const std::string& name, const std::string& why) {
+    return text({{"type", "scene"}, {"name", name}, {"state", "failed"}, {"what", why}});
+}
+
+std::string settingsMessage(const json& values, std::optional<uint32_t> inputId) {
+    json message = {{"type", "settings"}, {"values", values}};
+    if (inputId) message["inputId"] = *inputId;
+    return text(message);
+}
+
+std::string statsMessage(const ViewerStats& s) {
+    json rays = {{"primary", s.rays[RayKind::primary]}, {"shadow", s.rays[RayKind::shadow]},
+                 {"ambient_occlusion", s.rays[RayKind::ambientOcclusion]}, {"reflection", s.rays[RayKind::reflection]},
+                 {"refraction", s.rays[RayKind::refraction]}, {"total", s.rays.total()}};
+    json ms = {{"render", finite(s.ms.render)}, {"develop", finite(s.ms.develop)}, {"encode", finite(s.ms.encode)},
+               {"queue", finite(s.ms.queue)}, {"send", finite(s.ms.send)}};
+    return text({{"type", "stats"}, {"device", s.device}, {"framesPerSecond", finite(s.framesPerSecond)},
+                 {"samples", s.samples}, {"targetSamples", s.targetSamples}, {"relativeError", finite(s.relativeError)},
+                 {"rays", rays}, {"mraysPerSecond", finite(s.mraysPerSecond)}, {"ms", ms},
+                 {"overheadShare", finite(s.overheadShare)}, {"deviceShare", finite(s.deviceShare)}, {"tiles", s.tiles},
+                 {"viewers", s.viewers}, {"residentBytes", s.residentBytes}, {"nonfiniteSamples", s.nonfiniteSamples}});
+}
+
+std::string pathMessage(bool playing, const std::optional<PathResult>& result) {
+    json message = {{"type", "path"}, {"playing", playing}};
+    if (result) {
+        message["result"] = {{"frames", result->frames}, {"msMean", finite(result->msMean)},
+                             {"msMedian", finite(result->msMedian)}, {"msP95", finite(result->msP95)},
+                             {"fpsMean", finite(result->fpsMean)}, {"fpsMin", finite(result->fpsMin)}};
+    }
+    return text(message);
+}
+
+std::string noticeMessage(const std::string& words) { return text({{"type", "notice"}, {"text", words}}); }
+
+std::string errorMessage(const std::string& words, const std::string& about, std::optional<uint32_t> inputId) {
+    json message = {{"type", "error"}, {"message", words}, {"about", about}};
+    if (inputId) message["inputId"] = *inputId;
+    return text(message);
+}
+
+std::string pongMessage(double time) { return text({{"type", "pong"}, {"time", time}}); }
+
+}  // namespace heliograph

@@ -1,0 +1,43 @@
+#pragma once
+// What the server says in `heliograph.v1`: each function makes the text of one control message (docs/protocol.md).
+
+#include "server/net/protocol.h"
+#include "server/render/path_run.h"
+#include "server/render/tile.h"
+#include "server/scene/scene_source.h"
+
+#include <map>
+
+namespace heliograph {
+
+/// Figures of one viewer over about the last half second. Milliseconds are means per frame sent.
+struct ViewerStats {
+    std::string device;
+    double framesPerSecond = 0.0;
+    uint32_t samples = 0;
+    uint32_t targetSamples = 0;
+    double relativeError = 1.0;
+    RayCounts rays;  // of the last pass
+    double mraysPerSecond = 0.0;
+    struct Milliseconds { double render = 0, develop = 0, encode = 0, queue = 0, send = 0; } ms;
+    double overheadShare = 0.0;               // everything but tracing, 0..1
+    double deviceShare = 0.0;                 // of the time that the device worked for anybody, 0..1
+    std::map<std::string, uint64_t> tiles;    // by device
+    size_t viewers = 0;
+    uint64_t residentBytes = 0;               // of the server
+    uint64_t nonfiniteSamples = 0;
+};
+
+std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes);
+std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share);
+std::string sceneReadyMessage(const std::string& name, const Scene& scene);
+std::string sceneFailedMessage(const std::string& name, const std::string& why);
+/// `inputId` names the message that this answers, if any.
+std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);
+std::string statsMessage(const ViewerStats& stats);
+std::string pathMessage(bool playing, const std::optional<PathResult>& result);
+std::string noticeMessage(const std::string& text);
+std::string errorMessage(const std::string& text, const std::string& about, std::optional<uint32_t> inputId);
+std::string pongMessage(double time);
+
+}  // namespace heliograph

@@ -1,0 +1,276 @@
+#include "server/net/protocol.h"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace heliograph {
+
+namespace {
+
+using nlohmann::json;
+
+/// A value as it was found, short enough for one line.
+std::string shown(const json& value) {
+    std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+    if (text.size() > 60) text = text.substr(0, 57) + "...";
+    return text;
+}
+
+/// Reads the fields of one message; a refusal names `type.field`.
+class Fields {
+public:
+    Fields(const json& message, std::string type) : message_(message), type_(std::move(type)) {}
+
+    uint32_t uint(const char* name, uint32_t low = 0, uint32_t high = std::numeric_limits<uint32_t>::max()) const {
+        const json& value = at(name);
+        std::string allowed = "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+        // A number with a fraction part of zero (1.0) is whole for JavaScript, and so it is here.
+        if (!value.is_number()) refuse(name, shown(value), allowed);
+        double number = value.get<double>();
+        if (!(number >= low && number <= high) || number != std::floor(number)) refuse(name, shown(value), allowed);
+        return static_cast<uint32_t>(number);
+    }
+
+    double number(const char* name) const {
+        const json& value = at(name);
+        if (!value.is_number() || !std::isfinite(value.get<double>())) refuse(name, shown(value), "a finite number");
+        return value.get<double>();
+    }
+
+    bool boolean(const char* name) const {
+        const json& value = at(name);
+        if (!value.is_boolean()) refuse(name, shown(value), "true or false");
+        return value.get<bool>();
+    }
+
+    std::string text(const char* name, size_t longest) const {
+        const json& value = at(name);
+        if (!value.is_string()) refuse(name, shown(value), "a string");
+        if (value.get_ref<const std::string&>().size() > longest) {
+            refuse(name, "a string of " + std::to_string(value.get_ref<const std::string&>().size()) + " bytes",
+                   "at most " + std::to_string(longest));
+        }
+        return value.get<std::string>();
+    }
+
+    vec3 vector(const char* name) const {
+        const json& value = at(name);
+        vec3 result(0.0f);
+        bool good = value.is_array() && value.size() == 3;
+        for (int i = 0; good && i < 3; i++) {
+            good = value[i].is_number() && std::isfinite(static_cast<float>(value[i].get<double>()));
+            if (good) result[i] = static_cast<float>(value[i].get<double>());
+        }
+        if (!good) refuse(name, shown(value), "three finite numbers");
+        return result;
+    }
+
+    const json& object(const char* name) const {
+        const json& value = at(name);
+        if (!value.is_object()) refuse(name, shown(value), "an object");
+        return value;
+    }
+
+    bool isNull(const char* name) const {
+        auto found = message_.find(name);
+        return found == message_.end() || found->is_null();
+    }
+
+    [[noreturn]] void refuse(const std::string& name, const std::string& found, const std::string& allowed) const {
+        throw InputError(type_ + "." + name, found, allowed);
+    }
+
+private:
+    const json& at(const char* name) const {
+        auto found = message_.find(name);
+        if (found == message_.end()) refuse(name, "missing", "it must be there");
+        return *found;
+    }
+
+    const json& message_;
+    std::string type_;
+};
+
+ViewerMessage readCamera(const Fields& fields) {
+    CameraMessage message;
+    message.inputId = fields.uint("inputId");
+    message.moving = fields.boolean("moving");
+    Camera camera{fields.vector("position"), fields.vector("forward"), fields.vector("up"),
+                  static_cast<float>(fields.number("fieldOfView"))};
+    message.camera = checkedCamera(camera);
+    return message;
+}
+
+ViewerMessage readSettings(const Fields& fields) {
+    return SettingsMessage{fields.uint("inputId"), fields.object("values")};
+}
+
+ViewerMessage readResolution(const Fields& fields) {
+    ResolutionMessage message;
+    message.inputId = fields.uint("inputId");
+    message.size = uvec2(fields.uint("width", MIN_SIDE, MAX_SIDE), fields.uint("height", MIN_SIDE, MAX_SIDE));
+    uint64_t pixels = static_cast<uint64_t>(message.size.x) * message.size.y;
+    if (pixels > MAX_PIXELS) {
+        fields.refuse("width x height", std::to_string(pixels) + " pixels", "at most " + std::to_string(MAX_PIXELS));
+    }
+    return message;
+}
+
+ViewerMessage readScene(const Fields& fields) { return SceneMessage{fields.text("name", 256)}; }
+
+ViewerMessage readAck(const Fields& fields) {
+    AckMessage message{fields.uint("frameId"), std::nullopt};
+    if (!fields.isNull("presentedMs")) message.presentedMs = fields.number("presentedMs");
+    return message;
+}
+
+ViewerMessage readPicture(const Fields& fields) {
+    std::string format = fields.text("format", 16);
+    if (format == "png") return PictureMessage{PictureFormat::png};
+    if (format == "exr") return PictureMessage{PictureFormat::exr};
+    if (format == "jpg") return PictureMessage{PictureFormat::jpg};
+    fields.refuse("format", shown(format), "png, exr or jpg");
+}
+
+ViewerMessage readPath(const Fields& fields) { return PathMessage{fields.boolean("playing")}; }
+ViewerMessage readPing(const Fields& fields) { return PingMessage{fields.number("time")}; }
+ViewerMessage readToken(const Fields& fields) { return TokenMessage{fields.text("token", 4096)}; }
+
+struct MessageType {
+    const char* name;
+    ViewerMessage (*read)(const Fields&);
+};
+
+constexpr MessageType MESSAGE_TYPES[] = {
+    {"camera", readCamera},   {"settings", readSettings}, {"resolution", readResolution},
+    {"scene", readScene},     {"ack", readAck},           {"picture", readPicture},
+    {"path", readPath},       {"ping", readPing},         {"token", readToken},
+};
+
+std::string knownTypes() {
+    std::string names;
+    for (const MessageType& type : MESSAGE_TYPES) names += (names.empty() ? "" : ", ") + std::string(type.name);
+    return names;
+}
+
+/// The input id of a message that may be wrong in other ways.
+std::optional<uint32_t> inputIdOf(const json& message) {
+    auto found = message.find("inputId");
+    if (found == message.end() || !found->is_number_unsigned()) return std::nullopt;
+    uint64_t id = found->get<uint64_t>();
+    if (id > std::numeric_limits<uint32_t>::max()) return std::nullopt;
+    return static_cast<uint32_t>(id);
+}
+
+}  // namespace
+
+ViewerMessage parseViewerMessage(std::string_view text) {
+    json message;
+    try {
+        message = json::parse(text);
+    } catch (const json::exception& e) {
+        // The library's message may quote bytes of the text; the position is all that helps.
+        std::string found = "not JSON";
+        if (auto* parse = dynamic_cast<const json::parse_error*>(&e)) found += " at byte " + std::to_string(parse->byte);
+        throw MessageError(InputError("message", found, "one JSON object"), "", std::nullopt);
+    }
+    if (!message.is_object()) {
+        throw MessageError(InputError("message", shown(message), "one JSON object"), "", std::nullopt);
+    }
+    auto type = message.find("type");
+    if (type == message.end() || !type->is_string()) {
+        throw MessageError(InputError("type", type == message.end() ? "missing" : shown(*type), knownTypes()), "", std::nullopt);
+    }
+    const std::string& name = type->get_ref<const std::string&>();
+    try {
+        for (const MessageType& known : MESSAGE_TYPES) {
+            if (name == known.name) return known.read(Fields(message, name));
+        }
+        throw InputError("type", shown(*type), knownTypes());
+    } catch (const InputError& e) {
+        throw MessageError(e, name.substr(0, 60), inputIdOf(message));
+    }
+}
+
+namespace {
+
+template <typename T>
+void put(std::span<uint8_t, FRAME_HEADER_BYTES> bytes, size_t offset, T value) {
+    for (size_t i = 0; i < sizeof(T); i++) bytes[offset + i] = static_cast<uint8_t>(value >> (8 * i));
+}
+
+template <typename T>
+T get(std::span<const uint8_t> bytes, size_t offset) {
+    T value = 0;
+    for (size_t i = 0; i < sizeof(T); i++) value = static_cast<T>(value | static_cast<T>(bytes[offset + i]) << (8 * i));
+    return value;
+}
+
+constexpr size_t QUEUE_MICROS_OFFSET = 52;
+
+}  // namespace
+
+void writeFrameHeader(const FrameHeader& header, std::span<uint8_t, FRAME_HEADER_BYTES> bytes) {
+    bytes[0] = 'H';
+    bytes[1] = 'G';
+    bytes[2] = static_cast<uint8_t>(header.kind);
+    bytes[3] = static_cast<uint8_t>(header.codec);
+    put<uint16_t>(bytes, 4, FRAME_HEADER_BYTES);
+    bytes[6] = header.flags;
+    bytes[7] = header.quality;
+    put<uint32_t>(bytes, 8, header.frameId);
+    put<uint32_t>(bytes, 12, header.inputId);
+    put<uint32_t>(bytes, 16, header.generation);
+    put<uint16_t>(bytes, 20, static_cast<uint16_t>(header.size.x));
+    put<uint16_t>(bytes, 22, static_cast<uint16_t>(header.size.y));
+    put<uint16_t>(bytes, 24, static_cast<uint16_t>(header.fullSize.x));
+    put<uint16_t>(bytes, 26, static_cast<uint16_t>(header.fullSize.y));
+    put<uint32_t>(bytes, 28, header.samples);
+    put<uint32_t>(bytes, 32, std::bit_cast<uint32_t>(header.relativeError));
+    put<uint32_t>(bytes, 36, header.renderMicros);
+    put<uint32_t>(bytes, 40, header.developMicros);
+    put<uint32_t>(bytes, 44, header.encodeMicros);
+    put<uint32_t>(bytes, 48, header.inputMicros);
+    put<uint32_t>(bytes, QUEUE_MICROS_OFFSET, header.queueMicros);
+    put<uint32_t>(bytes, 56, header.payloadBytes);
+    put<uint32_t>(bytes, 60, header.devices);
+}
+
+FrameHeader readFrameHeader(std::span<const uint8_t> bytes) {
+    if (bytes.size() < FRAME_HEADER_BYTES) {
+        throw InputError("frame", std::to_string(bytes.size()) + " bytes", "a header of 64 and the payload");
+    }
+    if (bytes[0] != 'H' || bytes[1] != 'G') throw InputError("frame magic", "other bytes", "HG");
+    size_t length = get<uint16_t>(bytes, 4);
+    if (length < FRAME_HEADER_BYTES || length > bytes.size()) {
+        throw InputError("frame header length", std::to_string(length), "64 up to the size of the message");
+    }
+    FrameHeader header;
+    header.kind = static_cast<FrameKind>(bytes[2]);
+    header.codec = static_cast<FrameCodec>(bytes[3]);
+    header.flags = bytes[6];
+    header.quality = bytes[7];
+    header.frameId = get<uint32_t>(bytes, 8);
+    header.inputId = get<uint32_t>(bytes, 12);
+    header.generation = get<uint32_t>(bytes, 16);
+    header.size = uvec2(get<uint16_t>(bytes, 20), get<uint16_t>(bytes, 22));
+    header.fullSize = uvec2(get<uint16_t>(bytes, 24), get<uint16_t>(bytes, 26));
+    header.samples = get<uint32_t>(bytes, 28);
+    header.relativeError = std::bit_cast<float>(get<uint32_t>(bytes, 32));
+    header.renderMicros = get<uint32_t>(bytes, 36);
+    header.developMicros = get<uint32_t>(bytes, 40);
+    header.encodeMicros = get<uint32_t>(bytes, 44);
+    header.inputMicros = get<uint32_t>(bytes, 48);
+    header.queueMicros = get<uint32_t>(bytes, QUEUE_MICROS_OFFSET);
+    header.payloadBytes = get<uint32_t>(bytes, 56);
+    header.devices = get<uint32_t>(bytes, 60);
+    return header;
+}
+
+void stampQueueTime(std::span<uint8_t, FRAME_HEADER_BYTES> header, uint32_t micros) {
+    put<uint32_t>(header, QUEUE_MICROS_OFFSET, micros);
+}
+
+}  // namespace heliograph

@@ -1,0 +1,108 @@
+#pragma once
+// The words of `heliograph.v1` (docs/protocol.md): what a viewer may say, checked field by field before anything else sees
+// it, and the header that goes before each picture. Pure functions, no sockets. What the server says is in messages.h.
+
+#include "server/base/error.h"
+#include "server/render/camera.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace heliograph {
+
+constexpr const char* PROTOCOL_NAME = "heliograph.v1";
+constexpr size_t MESSAGE_LIMIT = 64 * 1024;        // bytes of one text message from a viewer
+constexpr uint32_t MAX_UNACKED = 2;                // frames on their way to a viewer
+constexpr uint32_t MIN_SIDE = 16;                  // pixels
+constexpr uint32_t MAX_SIDE = 8192;                // pixels
+constexpr uint64_t MAX_PIXELS = 33'177'600;        // 7680 x 4320
+constexpr size_t FRAME_HEADER_BYTES = 64;
+
+/// Close codes of the WebSocket: RFC 6455 and our own from 4000.
+enum class CloseCode : uint16_t {
+    normal = 1000,
+    goingAway = 1001,
+    unsupportedData = 1003,
+    policyViolation = 1008,
+    messageTooBig = 1009,
+    serverError = 1011,
+    unauthorized = 4001,  // no token within 5 seconds, or a wrong one
+    stalled = 4008,       // frames on their way were not acknowledged for 10 seconds
+};
+
+enum class PictureFormat { png, exr, jpg };
+
+struct CameraMessage { uint32_t inputId = 0; Camera camera; bool moving = false; };
+struct SettingsMessage { uint32_t inputId = 0; nlohmann::json values; };
+struct ResolutionMessage { uint32_t inputId = 0; uvec2 size{0, 0}; };
+struct SceneMessage { std::string name; };
+struct AckMessage { uint32_t frameId = 0; std::optional<double> presentedMs; };
+struct PictureMessage { PictureFormat format = PictureFormat::png; };
+struct PathMessage { bool playing = false; };
+struct PingMessage { double time = 0.0; };
+struct TokenMessage { std::string token; };
+
+using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
+                                   PathMessage, PingMessage, TokenMessage>;
+
+/// A message that was refused: what it was about, and the input it would have been.
+class MessageError : public InputError {
+public:
+    MessageError(const InputError& cause, std::string about, std::optional<uint32_t> inputId)
+        : InputError(cause), about_(std::move(about)), inputId_(inputId) {}
+    const std::string& about() const { return about_; }
+    std::optional<uint32_t> inputId() const { return inputId_; }
+
+private:
+    std::string about_;
+    std::optional<uint32_t> inputId_;
+};
+
+/// Reads one text message. Every number is finite and in its range, the camera is orthonormal; the names inside
+/// `settings.values` are checked later, by Settings::set. Throws MessageError.
+ViewerMessage parseViewerMessage(std::string_view text);
+
+enum class FrameKind : uint8_t { frame = 1, picture = 2 };
+enum class FrameCodec : uint8_t { jpeg = 0, png = 1, exr = 2 };
+constexpr uint8_t FRAME_MOVING = 1;
+constexpr uint8_t FRAME_FINAL = 2;
+constexpr uint8_t FRAME_PATH = 4;
+
+/// What goes before the bytes of a picture. Times in microseconds.
+struct FrameHeader {
+    FrameKind kind = FrameKind::frame;
+    FrameCodec codec = FrameCodec::jpeg;
+    uint8_t flags = 0;    // FRAME_*
+    uint8_t quality = 0;  // of the JPEG
+    uint32_t frameId = 0;
+    uint32_t inputId = 0;
+    uint32_t generation = 0;
+    uvec2 size{0, 0};      // of the picture
+    uvec2 fullSize{0, 0};  // display size asked for
+    uint32_t samples = 0;
+    float relativeError = 1.0f;
+    uint32_t renderMicros = 0;
+    uint32_t developMicros = 0;
+    uint32_t encodeMicros = 0;
+    uint32_t inputMicros = 0;   // input to render start
+    uint32_t queueMicros = 0;   // encoded to written
+    uint32_t payloadBytes = 0;
+    uint32_t devices = 0;  // bit set
+    bool operator==(const FrameHeader&) const = default;
+};
+
+/// Writes the 64 bytes, little endian.
+void writeFrameHeader(const FrameHeader& header, std::span<uint8_t, FRAME_HEADER_BYTES> bytes);
+/// The reverse. Throws InputError for a wrong magic, a header length under 64 or too few bytes.
+FrameHeader readFrameHeader(std::span<const uint8_t> bytes);
+/// Sets `queueMicros` in a header that is already written; the socket alone knows it.
+void stampQueueTime(std::span<uint8_t, FRAME_HEADER_BYTES> header, uint32_t micros);
+
+}  // namespace heliograph

@@ -1,0 +1,163 @@
+#pragma once
+// The render loop of one viewer: newest wish in, films to be shown out. It runs on a thread of its own and shares the
+// device with other loops by taking turns (turns.h). While the viewer moves, every frame is one pass of one sample; at rest
+// passes accumulate up to the `samples` setting. The rules of who gives way to whom are in view_request.h.
+
+#include "server/render/device.h"
+#include "server/render/film.h"
+#include "server/render/path_run.h"
+#include "server/render/turns.h"
+#include "server/render/view_request.h"
+
+#include <condition_variable>
+#include <map>
+#include <optional>
+#include <thread>
+
+namespace heliograph {
+
+/// A scene that a device holds, ready to be rendered.
+struct ResidentScene {
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<Device> device;
+};
+
+/// What the passes since the last frame cost.
+struct PassFigures {
+    uint32_t passes = 0;
+    double renderSeconds = 0.0;      // wall time of all of them, waiting for turns left out
+    double lastPassSeconds = 0.0;
+    RayCounts rays;                  // all passes
+    RayCounts lastRays;              // the last pass
+    std::map<std::string, uint64_t> tiles;  // by device
+    uint64_t nonfiniteSamples = 0;
+    uint32_t devices = 0;            // bit set of docs/protocol.md: 1 embree, 2 vulkan, 4 remote
+};
+
+/// A film worth looking at. The film may grow while it is developed, never change its request.
+struct FinishedFrame {
+    enum class Kind { frame, picture };
+    Kind kind = Kind::frame;
+    std::shared_ptr<const Film> film;
+    ViewRequest view;
+    uint32_t generation = 0;
+    uint32_t samples = 0;            // per pixel
+    bool final = false;              // the sample target is reached
+    bool path = false;               // part of a run along the camera path
+    float sceneExposure = 0.0f;      // EV
+    double inputSeconds = 0.0;       // from the input to the start of its first pass
+    PassFigures figures;
+};
+
+/// Whether the other end takes a frame now.
+enum class Readiness {
+    ready,
+    busy,      // soon: the frame before is being encoded
+    noCredit,  // when the viewer has acknowledged one
+    stalled,   // the viewer has not acknowledged anything for long
+};
+
+/// Where frames go. Called from the loop's thread without any lock held; must not call the loop's destructor.
+class FrameReceiver {
+public:
+    virtual ~FrameReceiver() = default;
+    virtual Readiness readiness() = 0;
+    /// Pictures are not subject to credit, only to `busy`.
+    virtual void take(FinishedFrame&& frame) = 0;
+    virtual void pathEnded(const PathResult& result) = 0;
+    /// The device failed; the loop rests until the next wish or scene.
+    virtual void failed(const std::string& what) = 0;
+};
+
+class FrameLoop {
+public:
+    FrameLoop(Turns& turns, FrameReceiver& receiver);
+    /// Ends the pass in flight and waits for the thread.
+    ~FrameLoop();
+
+    /// The newest wish replaces the one before; may cancel the pass in flight.
+    void show(const ViewRequest& request);
+    /// Renders this scene from now on; null stops rendering.
+    void setScene(std::shared_ptr<ResidentScene> scene);
+    /// Starts a run along the scene's first path, or ends the one in progress. Without a path nothing happens.
+    void playPath(bool playing);
+    /// Makes a picture of the newest wish at full resolution, with as many samples as its film has by now (at least 1).
+    void takePicture();
+    /// The receiver's readiness has changed for the better.
+    void wake();
+    /// Asks the loop to end, without waiting.
+    void stop();
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Run { PathRun path; Clock::time_point begin; };
+    struct Job { ViewRequest view; std::shared_ptr<Film> film; uint32_t samples = 1; PassFigures figures; };
+    struct PassState {
+        bool running = false;
+        bool cancellable = false;  // by a newer wish; ending the loop and a new scene always cancel
+        ViewRequest view;
+        uint32_t firstSample = 0;
+        std::stop_source stop;
+    };
+
+    void run(std::stop_token stop);
+    uint64_t takeNews();
+    bool step();
+    void followPath();
+    void endRun();
+    bool adopt();
+    void startFilm();
+    bool deliver();
+    void renderFilm();
+    void useLatestWish();
+    void startPicture();
+    bool finishPicture();
+    std::stop_token beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable);
+    void endPass(bool completed);
+    bool renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
+                    std::optional<Turns::Turn> turn, PassFigures& figures);
+    double renderSlice(const FrameRequest& request, std::span<const Tile> tiles, Film& film, std::stop_token cancelled,
+                       PassFigures& figures);
+
+    Turns& turns_;
+    FrameReceiver& receiver_;
+    Turns::Account account_;
+
+    // Between threads, under mutex_.
+    mutable std::mutex mutex_;
+    std::condition_variable_any changed_;
+    uint64_t news_ = 0;  // grows with every call from outside
+    std::optional<ViewRequest> newest_;
+    std::shared_ptr<ResidentScene> newScene_;
+    bool sceneChanged_ = false;
+    std::optional<bool> playing_;
+    bool pictureAsked_ = false;
+    bool retry_ = false;  // something came that may mend what failed
+    bool stopped_ = false;
+    PassState pass_;
+    bool cancelledBefore_ = false;  // the first pass before this one was given up
+
+    // The loop's own.
+    std::shared_ptr<ResidentScene> resident_;
+    EffectSet sceneEffects_;
+    std::optional<ViewRequest> wish_;   // newest_ as taken, with the path's camera while a run plays
+    std::optional<ViewRequest> view_;   // what the film shows
+    std::shared_ptr<Film> film_;
+    std::shared_ptr<Film> spare_;       // the other one may still be in the encoder's hands
+    uint32_t generation_ = 0;
+    uint32_t samples_ = 0;
+    Delivery delivered_;
+    ViewRequest deliveredView_;
+    Clock::time_point deliveredAt_{};
+    double inputSeconds_ = 0.0;
+    PassFigures figures_;
+    double secondsPerTile_ = 0.0;
+    std::optional<Run> run_;
+    std::optional<Job> picture_;
+    bool pictureTurn_ = false;  // passes of picture and film alternate
+    bool broken_ = false;
+
+    std::jthread thread_;  // last: it uses all of the above
+};
+
+}  // namespace heliograph

@@ -1,0 +1,62 @@
+#include "server/render/turns.h"
+
+#include <algorithm>
+
+namespace heliograph {
+
+Turns::Turn::Turn(Turns& turns, Account& account)
+    : turns_(&turns), account_(&account), begin_(std::chrono::steady_clock::now()) {}
+
+Turns::Turn::Turn(Turn&& other) noexcept : turns_(other.turns_), account_(other.account_), begin_(other.begin_) {
+    other.turns_ = nullptr;
+}
+
+Turns::Turn::~Turn() {
+    if (!turns_) return;
+    std::chrono::duration<double> used = std::chrono::steady_clock::now() - begin_;
+    turns_->release(*account_, used.count());
+}
+
+std::optional<Turns::Turn> Turns::take(Account& account, std::stop_token stop) {
+    std::unique_lock lock(mutex_);
+    waiting_.push_back({&account, std::max(now_, account.finish_)});
+    bool mine = changed_.wait(lock, stop, [&] { return !taken_ && next()->account == &account; });
+    auto self = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiter& w) { return w.account == &account; });
+    if (mine) {
+        now_ = self->start;
+        taken_ = true;
+    }
+    waiting_.erase(self);
+    // One who leaves may have been the next in line.
+    if (!mine) changed_.notify_all();
+    if (!mine) return std::nullopt;
+    return Turn(*this, account);
+}
+
+const Turns::Waiter* Turns::next() const {
+    return &*std::min_element(waiting_.begin(), waiting_.end(),
+                              [](const Waiter& a, const Waiter& b) { return a.start < b.start; });
+}
+
+void Turns::release(Account& account, double seconds) {
+    {
+        std::lock_guard lock(mutex_);
+        account.used_ += seconds;
+        account.finish_ = now_ + seconds;
+        all_ += seconds;
+        taken_ = false;
+    }
+    changed_.notify_all();
+}
+
+bool Turns::contended() const {
+    std::lock_guard lock(mutex_);
+    return !waiting_.empty();
+}
+
+Turns::Used Turns::used(const Account& account) const {
+    std::lock_guard lock(mutex_);
+    return {account.used_, all_};
+}
+
+}  // namespace heliograph

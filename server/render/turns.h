@@ -1,0 +1,68 @@
+#pragma once
+// Who may use the processors next. Every viewer renders from a thread of its own; before each slice of a pass it takes a
+// turn here. The turn goes to whoever has used the least time so far, so viewers of equal cost go round robin and a viewer
+// with dear settings gets no more time than one with cheap ones.
+//
+// Start-time fair queueing: P. Goyal, H. Vin, H. Cheng, "Start-time Fair Queueing: A Scheduling Algorithm for Integrated
+// Services Packet Switching Networks", 1996.
+
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+namespace heliograph {
+
+class Turns {
+public:
+    /// What one user has had. Belongs to its user; changed by Turns alone.
+    class Account {
+    public:
+        double usedSeconds() const { return used_; }  // read it from the user's own thread, or through Turns::used
+
+    private:
+        friend class Turns;
+        double used_ = 0.0;    // seconds of all turns
+        double finish_ = 0.0;  // virtual time at which its last turn ended
+    };
+
+    /// The right to use the processors, given back when it goes out of scope.
+    class Turn {
+    public:
+        Turn(Turn&& other) noexcept;
+        Turn& operator=(Turn&&) = delete;
+        ~Turn();
+
+    private:
+        friend class Turns;
+        Turn(Turns& turns, Account& account);
+        Turns* turns_;
+        Account* account_;
+        std::chrono::steady_clock::time_point begin_;
+    };
+
+    /// Waits for a turn. Nothing when `stop` is asked for first.
+    std::optional<Turn> take(Account& account, std::stop_token stop);
+    /// Somebody is waiting.
+    bool contended() const;
+    /// Seconds used by the account and by everybody.
+    struct Used { double own = 0.0; double all = 0.0; };
+    Used used(const Account& account) const;
+
+private:
+    struct Waiter { Account* account; double start; };
+
+    void release(Account& account, double seconds);
+    const Waiter* next() const;
+
+    mutable std::mutex mutex_;
+    std::condition_variable_any changed_;
+    std::vector<Waiter> waiting_;  // in order of arrival
+    bool taken_ = false;
+    double now_ = 0.0;   // virtual time: the start of the turn in progress
+    double all_ = 0.0;   // seconds
+};
+
+}  // namespace heliograph

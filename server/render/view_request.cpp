@@ -1,0 +1,66 @@
+#include "server/render/view_request.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace heliograph {
+
+namespace {
+
+/// The settings with everything neutral that does not change a sample.
+Settings filmSettings(Settings settings) {
+    const Settings neutral;
+    settings.samples = neutral.samples;
+    settings.exposure = neutral.exposure;
+    settings.toneCurve = neutral.toneCurve;
+    settings.jpegQuality = neutral.jpegQuality;
+    settings.cameraPath = neutral.cameraPath;
+    settings.fieldOfView = neutral.fieldOfView;  // the camera's own counts
+    return settings;
+}
+
+bool sameFilmButCamera(const ViewRequest& a, const ViewRequest& b) {
+    return a.resolution == b.resolution && filmSettings(a.settings) == filmSettings(b.settings);
+}
+
+}  // namespace
+
+uvec2 filmSize(const ViewRequest& request) {
+    auto scaled = [&](uint32_t pixels) {
+        double share = static_cast<double>(request.settings.renderScale);
+        return std::max(1u, static_cast<uint32_t>(std::lround(pixels * share)));
+    };
+    return uvec2(scaled(request.resolution.x), scaled(request.resolution.y));
+}
+
+bool sameFilm(const ViewRequest& a, const ViewRequest& b) { return a.camera == b.camera && sameFilmButCamera(a, b); }
+
+bool samePicture(const ViewRequest& a, const ViewRequest& b) {
+    return sameFilm(a, b) && a.inputId == b.inputId && a.settings.exposure == b.settings.exposure &&
+           a.settings.toneCurve == b.settings.toneCurve && a.settings.jpegQuality == b.settings.jpegQuality;
+}
+
+bool cancelsPass(const ViewRequest& running, uint32_t firstSample, bool cancelledBefore, const ViewRequest& newest) {
+    if (sameFilm(running, newest)) return false;
+    if (firstSample > 0) return true;
+    return !sameFilmButCamera(running, newest) && !cancelledBefore;
+}
+
+bool frameDue(const Delivery& d) {
+    if (d.samples == 0) return false;
+    if (d.deliveredSamples == 0 || d.outdated) return true;
+    if (d.samples >= d.targetSamples) return !d.finalDelivered;
+    if (d.samples <= d.deliveredSamples) return false;
+    bool clearer = 2ull * d.samples >= 3ull * d.deliveredSamples;
+    return (clearer && d.secondsSince >= 0.1) || d.secondsSince >= 0.4;
+}
+
+size_t tilesPerTurn(double secondsPerTile, uint32_t workers, bool contended) {
+    // A slice ends when its last tile does: with fewer than some tiles per worker the others would idle meanwhile.
+    size_t least = 4 * static_cast<size_t>(std::max(workers, 1u));
+    if (!(secondsPerTile > 0.0)) return std::max<size_t>(least, 64);
+    double budget = contended ? 0.03 : 0.15;  // seconds
+    return std::max(least, static_cast<size_t>(std::min(budget / secondsPerTile, 1e6)));
+}
+
+}  // namespace heliograph
