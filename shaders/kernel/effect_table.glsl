@@ -13,3 +13,4 @@ EFFECT(9, EFFECT_ALPHA_MASK, "alphaMask", "", "Cut-out surfaces: a texel is ther
 EFFECT(10, EFFECT_ALPHA_BLEND, "alphaBlend", "", "Surfaces that let a part of the light straight through.")
 EFFECT(11, EFFECT_ABSORPTION, "absorption", "refractions", "Coloured glass darkens with the distance travelled in it (Beer-Lambert).")
 EFFECT(12, EFFECT_EMISSION, "emission", "", "Surfaces that glow.")
+EFFECT(13, EFFECT_INSTANCING, "instancing", "", "One mesh stands in several places.")

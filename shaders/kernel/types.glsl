@@ -74,7 +74,7 @@ struct Material {
     float mirror;        // Phong: constant reflectance (RayEngine's Ir, or Ks of a mirror illum), 0 = none
     float alphaCutoff;
     float normalScale;
-    float occlusionStrength;
+    float pad0;
     uint flags;          // MATERIAL_*
     uint baseTexture;
     uint metallicRoughnessTexture;
@@ -161,6 +161,21 @@ struct KernelCamera {
     float pad1;
     vec3 up;            // scaled by tan(fov/2)
     float pad2;
+};
+
+// A ray. 32 bytes.
+struct Ray {
+    vec3 origin;
+    float tMax;  // hits are looked for in (0, tMax)
+    vec3 direction;  // unit
+    float pad0;
+};
+
+// What a device answers: two indices and nothing else. Barycentrics and distance are recomputed in shared code, so that
+// every device shades the same point.
+struct Hit {
+    uint instance;   // NO_INDEX = nothing hit
+    uint primitive;  // triangle within the instance's mesh
 };
 
 // The frame's constants, the kernel's only input beside the scene.

@@ -1,0 +1,125 @@
+#include "server/device/embree/embree_device.h"
+
+#include "server/device/embree/tile_programs.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <pmmintrin.h>
+#include <time.h>
+
+#include <atomic>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <stdexcept>
+
+namespace heliograph {
+
+namespace {
+
+double threadSeconds() {
+    timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// One thread's programs, made when first needed.
+struct Worker {
+    std::vector<std::unique_ptr<TileProgram>> programs{tileProgramCount()};
+    TileProgram& program(uint32_t index) {
+        if (!programs[index]) programs[index] = makeTileProgram(index);
+        return *programs[index];
+    }
+};
+
+class EmbreeDevice : public Device {
+public:
+    EmbreeDevice() : device_(rtcNewDevice("set_affinity=0")) {
+        if (!device_) throw std::runtime_error("Embree could not start");
+        width_ = nativePacketWidth(device_);
+    }
+    ~EmbreeDevice() override {
+        built_.clear();
+        rtcReleaseDevice(device_);
+    }
+
+    DeviceInfo info() const override {
+        DeviceInfo info;
+        info.name = "embree";
+        info.details = "Embree " RTC_VERSION_STRING ", packets of " + std::to_string(width_);
+        info.silicon = "cpu";
+        info.workers = static_cast<uint32_t>(tbb::this_task_arena::max_concurrency());
+        return info;
+    }
+
+    void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
+        std::lock_guard lock(mutex_);
+        built_.clear();
+        scene_ = std::move(scene);
+        build(settings, progress);
+    }
+
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                std::stop_token stop) override {
+        std::shared_ptr<EmbreeScene> scene = sceneFor(request.settings);
+        FrameConstants frame = frameConstants(scene->scene(), request);
+        TraceOptions options;
+        options.primaryWidth = request.settings.primaryPackets ? width_ : 1;
+        options.secondaryWidth = request.settings.secondaryPackets ? width_ : 1;
+        uint32_t program = chooseTileProgram(request.effects.bits);
+        std::atomic<size_t> next{0};
+        auto work = [&] {
+            _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+            _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+            for (size_t i; !stop.stop_requested() && (i = next.fetch_add(1)) < tiles.size();) {
+                TileResult result;
+                result.tile = tiles[i];
+                result.device = "embree";
+                double begin = threadSeconds();
+                workers_.local().program(program).render(*scene, frame, options, result);
+                result.seconds = threadSeconds() - begin;
+                sink(std::move(result));
+            }
+        };
+        inArena(request.settings.embreeThreads, work);
+    }
+
+private:
+    // Runs `work` once on each of `threads` threads (0 = all cores); tiles are taken from a common counter in order.
+    template <typename Work>
+    void inArena(uint32_t threads, const Work& work) {
+        int count = threads == 0 ? tbb::this_task_arena::max_concurrency() : static_cast<int>(threads);
+        tbb::task_arena arena(count);
+        arena.execute([&] {
+            tbb::parallel_for(0, count, [&](int) { work(); }, tbb::simple_partitioner());
+        });
+    }
+
+    std::shared_ptr<EmbreeScene> sceneFor(const Settings& settings) {
+        std::lock_guard lock(mutex_);
+        if (!scene_) throw std::logic_error("render before load");
+        return build(settings, {});
+    }
+
+    // The tree for these settings; built once per quality and robustness.
+    std::shared_ptr<EmbreeScene> build(const Settings& settings, const Progress& progress) {
+        std::shared_ptr<EmbreeScene>& scene = built_[{settings.bvhQuality, settings.robust}];
+        if (!scene) scene = std::make_shared<EmbreeScene>(device_, scene_, settings.bvhQuality, settings.robust, progress);
+        return scene;
+    }
+
+    RTCDevice device_;
+    uint32_t width_ = 4;
+    std::mutex mutex_;
+    std::shared_ptr<const Scene> scene_;
+    std::map<std::pair<uint32_t, bool>, std::shared_ptr<EmbreeScene>> built_;
+    tbb::enumerable_thread_specific<Worker> workers_;
+};
+
+}  // namespace
+
+std::unique_ptr<Device> makeEmbreeDevice() { return std::make_unique<EmbreeDevice>(); }
+
+}  // namespace heliograph

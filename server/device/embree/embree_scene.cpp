@@ -1,0 +1,136 @@
+#include "server/device/embree/embree_scene.h"
+
+#include <stdexcept>
+
+namespace heliograph {
+
+namespace {
+
+// The alpha test alone: what the filters need of the kernel.
+using AlphaKernel = kernel_baseline::Kernel<EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING>;
+
+RTCBuildQuality buildQuality(uint32_t quality) {
+    if (quality == 0) return RTC_BUILD_QUALITY_LOW;
+    return quality == 1 ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH;
+}
+
+uint32_t maskOf(uint32_t opacity) {
+    if (opacity == OPACITY_MASKED) return MASK_MASKED;
+    return opacity == OPACITY_TRANSPARENT ? MASK_TRANSPARENT : MASK_OPAQUE;
+}
+
+// True if the hit is in the hole of a cut-out. The point is recomputed from the ray as it was sent, so that the answer
+// does not depend on the traversal.
+bool hitsHole(const RTCFilterFunctionNArguments* args, uint32_t i) {
+    const auto* scene = static_cast<const EmbreeScene*>(args->geometryUserPtr);
+    const auto* context = reinterpret_cast<const TraceContext*>(args->context);
+    uint32_t lane = RTCRayN_id(args->ray, args->N, i);
+    Hit hit = EmbreeScene::hitOf(RTCHitN_geomID(args->hit, args->N, i), RTCHitN_primID(args->hit, args->N, i),
+                                 RTCHitN_instID(args->hit, args->N, i, 0));
+    AlphaKernel kernel;
+    kernel.scene = scene->view();
+    kernel.frame.effects = EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING;
+    auto surface = kernel.surfaceAt(rayOrigin(*context->rays, lane), rayDirection(*context->rays, lane), 0.0f, 0.0f, hit);
+    return kernel.isCutOut(surface);
+}
+
+void filterMasked(const RTCFilterFunctionNArguments* args) {
+    for (uint32_t i = 0; i < args->N; i++)
+        if (args->valid[i] == -1 && hitsHole(args, i)) args->valid[i] = 0;
+}
+
+// Occlusion rays pass transparent surfaces; which ones is found out later, in order, by a walk. So it does not matter if
+// a triangle is offered twice, as spatial splits may do.
+void filterTransparent(const RTCFilterFunctionNArguments* args) {
+    auto* context = reinterpret_cast<TraceContext*>(args->context);
+    for (uint32_t i = 0; i < args->N; i++) {
+        if (args->valid[i] != -1) continue;
+        args->valid[i] = 0;
+        context->passedTransparent |= 1u << RTCRayN_id(args->ray, args->N, i);
+    }
+}
+
+void check(RTCDevice device, const char* what) {
+    RTCError error = rtcGetDeviceError(device);
+    if (error != RTC_ERROR_NONE)
+        throw std::runtime_error(std::string("Embree could not ") + what + " (error " + std::to_string(error) + ")");
+}
+
+bool continueBuild(void* pointer, double share) {
+    const auto& progress = *static_cast<const Progress*>(pointer);
+    report(progress, "building the acceleration structure", share);
+    return true;
+}
+
+}  // namespace
+
+EmbreeScene::EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, uint32_t quality, bool robust,
+                         const Progress& progress)
+    : scene_(std::move(scene)), view_(sceneView(*scene_)) {
+    meshScenes_.resize(scene_->meshes.size(), nullptr);
+    RTCSceneFlags flags = robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE;
+    root_ = rtcNewScene(device);
+    rtcSetSceneFlags(root_, flags);
+    rtcSetSceneBuildQuality(root_, buildQuality(quality));
+    for (uint32_t i = 0; i < scene_->instances.size(); i++) attachInstance(device, i, buildQuality(quality), flags);
+    if (progress) rtcSetSceneProgressMonitorFunction(root_, continueBuild, const_cast<Progress*>(&progress));
+    rtcCommitScene(root_);
+    rtcSetSceneProgressMonitorFunction(root_, nullptr, nullptr);
+    check(device, "build the acceleration structure");
+}
+
+EmbreeScene::~EmbreeScene() {
+    rtcReleaseScene(root_);
+    for (RTCScene mesh : meshScenes_)
+        if (mesh) rtcReleaseScene(mesh);
+}
+
+RTCGeometry EmbreeScene::makeTriangles(RTCDevice device, const Mesh& mesh) {
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene_->positions.data(), 0,
+                               sizeof(vec4), scene_->positions.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                               scene_->triangles.data() + mesh.firstTriangle, 0, sizeof(uvec4), mesh.triangleCount);
+    rtcSetGeometryMask(geometry, maskOf(mesh.opacity));
+    rtcSetGeometryUserData(geometry, this);
+    if (mesh.opacity == OPACITY_MASKED) {
+        rtcSetGeometryIntersectFilterFunction(geometry, filterMasked);
+        rtcSetGeometryOccludedFilterFunction(geometry, filterMasked);
+    } else if (mesh.opacity == OPACITY_TRANSPARENT) {
+        rtcSetGeometryOccludedFilterFunction(geometry, filterTransparent);
+    }
+    rtcCommitGeometry(geometry);
+    return geometry;
+}
+
+void EmbreeScene::attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags) {
+    const Instance& instance = scene_->instances[index];
+    const Mesh& mesh = scene_->meshes[instance.mesh];
+    if (mesh.triangleCount == 0) return;
+    RTCGeometry geometry = nullptr;
+    if (instance.flags & INSTANCE_IDENTITY) {
+        geometry = makeTriangles(device, mesh);
+    } else {
+        RTCScene& meshScene = meshScenes_[instance.mesh];
+        if (!meshScene) {
+            meshScene = rtcNewScene(device);
+            rtcSetSceneFlags(meshScene, flags);
+            rtcSetSceneBuildQuality(meshScene, quality);
+            RTCGeometry triangles = makeTriangles(device, mesh);
+            rtcAttachGeometry(meshScene, triangles);
+            rtcReleaseGeometry(triangles);
+            rtcCommitScene(meshScene);
+            check(device, "build a mesh");
+        }
+        geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, meshScene);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, &instance.toWorld0);
+        rtcSetGeometryMask(geometry, maskOf(mesh.opacity));
+        rtcCommitGeometry(geometry);
+    }
+    rtcAttachGeometryByID(root_, geometry, index);
+    rtcReleaseGeometry(geometry);
+    check(device, "take a mesh");
+}
+
+}  // namespace heliograph

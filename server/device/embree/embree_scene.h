@@ -1,0 +1,49 @@
+#pragma once
+// A scene in Embree's hands: one geometry per placed mesh, instances where a mesh stands in several places, vertex and
+// index buffers shared with the scene, filter functions only where a surface is not opaque.
+
+#include "server/base/progress.h"
+#include "server/device/embree/ray_packet.h"
+#include "server/render/kernel_tables.h"
+
+#include <memory>
+
+namespace heliograph {
+
+/// Ray masks by opacity class, so that a ray can look for one class alone.
+constexpr uint32_t MASK_OPAQUE = 1;
+constexpr uint32_t MASK_MASKED = 2;
+constexpr uint32_t MASK_TRANSPARENT = 4;
+
+class EmbreeScene {
+public:
+    /// Builds the tree. quality: 0 low, 1 medium, 2 high. Throws std::runtime_error when Embree refuses.
+    EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, uint32_t quality, bool robust,
+                const Progress& progress);
+    ~EmbreeScene();
+    EmbreeScene(const EmbreeScene&) = delete;
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+    RTCScene handle() const { return root_; }
+    const Scene& scene() const { return *scene_; }
+    const SceneView& view() const { return view_; }
+
+    /// The kernel's hit from Embree's: only ids are taken.
+    static Hit hitOf(uint32_t geometry, uint32_t primitive, uint32_t instance) {
+        Hit hit;
+        hit.instance = instance != RTC_INVALID_GEOMETRY_ID ? instance : geometry;
+        hit.primitive = primitive;
+        return hit;
+    }
+
+private:
+    RTCGeometry makeTriangles(RTCDevice device, const Mesh& mesh);
+    void attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags);
+
+    std::shared_ptr<const Scene> scene_;
+    SceneView view_;
+    RTCScene root_ = nullptr;
+    std::vector<RTCScene> meshScenes_;  // one per mesh that is instanced, else null
+};
+
+}  // namespace heliograph

@@ -1,0 +1,159 @@
+#include "server/device/embree/ray_packet.h"
+
+#include <type_traits>
+
+namespace heliograph {
+
+namespace {
+
+TraceContext makeContext(const RTCRay16& rays, bool coherent) {
+    TraceContext context;
+    rtcInitIntersectContext(&context.rtc);
+    context.rtc.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+    context.rays = &rays;
+    return context;
+}
+
+struct alignas(64) ValidMask {
+    int lane[PACKET];
+    explicit ValidMask(uint32_t count) {
+        for (uint32_t i = 0; i < PACKET; i++) lane[i] = i < count ? -1 : 0;
+    }
+};
+
+// Copies W rays from lane `first` of a 16-wide packet into a narrower one.
+template <uint32_t W, typename Narrow>
+void copyRays(Narrow& to, const RTCRay16& from, uint32_t first) {
+    for (uint32_t i = 0; i < W; i++) {
+        to.org_x[i] = from.org_x[first + i];
+        to.org_y[i] = from.org_y[first + i];
+        to.org_z[i] = from.org_z[first + i];
+        to.tnear[i] = from.tnear[first + i];
+        to.dir_x[i] = from.dir_x[first + i];
+        to.dir_y[i] = from.dir_y[first + i];
+        to.dir_z[i] = from.dir_z[first + i];
+        to.time[i] = 0.0f;
+        to.tfar[i] = from.tfar[first + i];
+        to.mask[i] = from.mask[first + i];
+        to.id[i] = from.id[first + i];
+        to.flags[i] = 0;
+    }
+}
+
+void copyRay(RTCRay& to, const RTCRay16& from, uint32_t i) {
+    to.org_x = from.org_x[i];
+    to.org_y = from.org_y[i];
+    to.org_z = from.org_z[i];
+    to.tnear = from.tnear[i];
+    to.dir_x = from.dir_x[i];
+    to.dir_y = from.dir_y[i];
+    to.dir_z = from.dir_z[i];
+    to.time = 0.0f;
+    to.tfar = from.tfar[i];
+    to.mask = from.mask[i];
+    to.id = from.id[i];
+    to.flags = 0;
+}
+
+template <uint32_t W, typename RayHit, typename Function>
+void closestNarrow(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceContext& context, Function intersect) {
+    ValidMask valid(count);
+    for (uint32_t first = 0; first < count; first += W) {
+        alignas(64) RayHit narrow;
+        copyRays<W>(narrow.ray, packet.ray, first);
+        for (uint32_t i = 0; i < W; i++) {
+            narrow.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+            narrow.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        intersect(valid.lane + first, scene, &context.rtc, &narrow);
+        for (uint32_t i = 0; i < W; i++) {
+            packet.hit.geomID[first + i] = narrow.hit.geomID[i];
+            packet.hit.primID[first + i] = narrow.hit.primID[i];
+            packet.hit.instID[0][first + i] = narrow.hit.instID[0][i];
+        }
+    }
+}
+
+void closestSingle(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceContext& context) {
+    for (uint32_t i = 0; i < count; i++) {
+        RTCRayHit single;
+        copyRay(single.ray, packet.ray, i);
+        single.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        single.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+        rtcIntersect1(scene, &context.rtc, &single);
+        packet.hit.geomID[i] = single.hit.geomID;
+        packet.hit.primID[i] = single.hit.primID;
+        packet.hit.instID[0][i] = single.hit.instID[0];
+    }
+}
+
+template <uint32_t W, typename Narrow, typename Function>
+uint32_t occludedNarrow(RTCScene scene, const RTCRay16& packet, uint32_t count, TraceContext& context, Function occluded) {
+    ValidMask valid(count);
+    uint32_t blocked = 0;
+    for (uint32_t first = 0; first < count; first += W) {
+        alignas(64) Narrow narrow;
+        copyRays<W>(narrow, packet, first);
+        occluded(valid.lane + first, scene, &context.rtc, &narrow);
+        for (uint32_t i = 0; i < W && first + i < count; i++)
+            if (narrow.tfar[i] < 0.0f) blocked |= 1u << (first + i);
+    }
+    return blocked;
+}
+
+uint32_t occludedSingle(RTCScene scene, const RTCRay16& packet, uint32_t count, TraceContext& context) {
+    uint32_t blocked = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        RTCRay single;
+        copyRay(single, packet, i);
+        rtcOccluded1(scene, &context.rtc, &single);
+        if (single.tfar < 0.0f) blocked |= 1u << i;
+    }
+    return blocked;
+}
+
+}  // namespace
+
+uint32_t nativePacketWidth(RTCDevice device) {
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return 16;
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) return 8;
+    return 4;
+}
+
+void traceClosest(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceMode mode) {
+    TraceContext context = makeContext(packet.ray, mode.coherent);
+    if (mode.width == 16) {
+        ValidMask valid(count);
+        for (uint32_t i = 0; i < PACKET; i++) {
+            packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+            packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+        }
+        rtcIntersect16(valid.lane, scene, &context.rtc, &packet);
+    } else if (mode.width == 8) {
+        closestNarrow<8, RTCRayHit8>(scene, packet, count, context, rtcIntersect8);
+    } else if (mode.width == 4) {
+        closestNarrow<4, RTCRayHit4>(scene, packet, count, context, rtcIntersect4);
+    } else {
+        closestSingle(scene, packet, count, context);
+    }
+}
+
+uint32_t traceOccluded(RTCScene scene, RTCRay16& packet, uint32_t count, TraceMode mode, uint32_t& passedTransparent) {
+    TraceContext context = makeContext(packet, mode.coherent);
+    uint32_t blocked = 0;
+    if (mode.width == 16) {
+        ValidMask valid(count);
+        rtcOccluded16(valid.lane, scene, &context.rtc, &packet);
+        for (uint32_t i = 0; i < count; i++) blocked |= (packet.tfar[i] < 0.0f ? 1u : 0u) << i;
+    } else if (mode.width == 8) {
+        blocked = occludedNarrow<8, RTCRay8>(scene, packet, count, context, rtcOccluded8);
+    } else if (mode.width == 4) {
+        blocked = occludedNarrow<4, RTCRay4>(scene, packet, count, context, rtcOccluded4);
+    } else {
+        blocked = occludedSingle(scene, packet, count, context);
+    }
+    passedTransparent = context.passedTransparent;
+    return blocked;
+}
+
+}  // namespace heliograph

@@ -1,0 +1,20 @@
+#pragma once
+// Tables that every device hands to the kernel, computed once on the host.
+
+#include "server/scene/scene.h"
+#include "shaders/kernel/kernel.h"
+
+namespace heliograph {
+
+/// Points of kernel/sampling.glsl's table: the (0,2)-sequence of Sobol (1967) in two dimensions, Owen-scrambled once by
+/// hashing (Laine & Karras, "Stratified Sampling for Stochastic Transparency", 2011; constants by Burley, "Practical
+/// Hash-based Owen Scrambling", JCGT 9(4) 2020). 32-bit fixed point in [0, 1).
+const std::vector<uvec2>& sobolTable();
+
+/// Linear value of each sRGB code 0..255 (IEC 61966-2-1).
+const std::vector<float>& srgbTable();
+
+/// The scene and the tables as the kernel sees them; valid as long as the scene.
+SceneView sceneView(const Scene& scene);
+
+}  // namespace heliograph

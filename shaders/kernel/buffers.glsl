@@ -1,0 +1,39 @@
+// The scene's buffers as GLSL sees them, and the names by which the kernel reads them (kernel.h has the C++ twins).
+#ifndef HELIOGRAPH_BUFFERS_GLSL
+#define HELIOGRAPH_BUFFERS_GLSL
+
+layout(std430, set = 0, binding = 0) readonly buffer FrameBuffer { FrameConstants frameConstants; };
+layout(std430, set = 0, binding = 1) readonly buffer PositionBuffer { vec4 positions[]; };
+layout(std430, set = 0, binding = 2) readonly buffer AttributeBuffer { VertexAttributes vertexAttributes[]; };
+layout(std430, set = 0, binding = 3) readonly buffer TangentBuffer { vec4 tangents[]; };
+layout(std430, set = 0, binding = 4) readonly buffer TriangleBuffer { uvec4 triangles[]; };
+layout(std430, set = 0, binding = 5) readonly buffer MeshBuffer { Mesh meshes[]; };
+layout(std430, set = 0, binding = 6) readonly buffer InstanceBuffer { Instance instances[]; };
+layout(std430, set = 0, binding = 7) readonly buffer MaterialBuffer { Material materials[]; };
+layout(std430, set = 0, binding = 8) readonly buffer TextureBuffer { TextureSlot textureSlots[]; };
+layout(std430, set = 0, binding = 9) readonly buffer ImageBuffer { Image images[]; };
+layout(std430, set = 0, binding = 10) readonly buffer ImageLevelBuffer { ImageLevel imageLevels[]; };
+layout(std430, set = 0, binding = 11) readonly buffer TexelBuffer { uint texels[]; };
+layout(std430, set = 0, binding = 12) readonly buffer LightBuffer { Light lights[]; };
+layout(std430, set = 0, binding = 13) readonly buffer EnvironmentBuffer { Environment environmentData; };
+layout(std430, set = 0, binding = 14) readonly buffer SrgbBuffer { float srgbValues[]; };
+layout(std430, set = 0, binding = 15) readonly buffer SobolBuffer { uvec2 sobolPoints[]; };
+
+#define FRAME frameConstants
+#define POSITION(i) positions[i]
+#define ATTRIBUTES(i) vertexAttributes[i]
+#define TANGENT(i) tangents[i]
+#define TRIANGLE(i) triangles[i]
+#define MESH(i) meshes[i]
+#define INSTANCE(i) instances[i]
+#define MATERIAL(i) materials[i]
+#define TEXTURE(i) textureSlots[i]
+#define IMAGE(i) images[i]
+#define IMAGE_LEVEL(i) imageLevels[i]
+#define TEXEL(i) texels[i]
+#define LIGHT(i) lights[i]
+#define ENVIRONMENT environmentData
+#define SRGB_TABLE(i) srgbValues[i]
+#define SOBOL(i) sobolPoints[i]
+
+#endif

@@ -1,0 +1,25 @@
+// Reflection at interfaces.
+
+// Unpolarised reflectance of a dielectric. cosI: cosine of the incident angle, >= 0; eta: index of the side the light
+// comes from over that of the other. Returns 1 under total internal reflection and sets cosT, the cosine of the refracted
+// angle (0 then). The radicand is written (1 - eta) * (1 + eta) + eta^2 cos^2, which does not cancel near grazing.
+float fresnelDielectric(float cosI, float eta, OUT(float) cosT) {
+    float c = min(cosI, 1.0f);
+    float radicand = (1.0f - eta) * (1.0f + eta) + eta * eta * c * c;
+    if (radicand <= 0.0f) {
+        cosT = 0.0f;
+        return 1.0f;
+    }
+    cosT = sqrt(radicand);
+    float parallel = (c - eta * cosT) / (c + eta * cosT);
+    float perpendicular = (eta * c - cosT) / (eta * c + cosT);
+    return 0.5f * (parallel * parallel + perpendicular * perpendicular);
+}
+
+// Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994).
+vec3 fresnelSchlick(vec3 f0, float cosine) {
+    float m = saturate(1.0f - cosine);
+    float m2 = m * m;
+    float m5 = m2 * m2 * m;
+    return f0 + (vec3(1.0f, 1.0f, 1.0f) - f0) * m5;
+}

@@ -1,0 +1,44 @@
+// Lights as seen from a point.
+
+struct LightSample {
+    vec3 direction;   // unit, towards the light
+    float distance;   // to the light; FLOAT_MAX for directional ones
+    vec3 irradiance;  // on a surface that faces the light; 0 = not lit
+};
+
+// KHR_lights_punctual's falloff: inverse square with a smooth end at `range`; RayEngine's linear one on request.
+float lightFalloff(Light light, float distance) {
+    if (light.falloff == FALLOFF_LINEAR) return light.range > 0.0f ? max(1.0f - distance / light.range, 0.0f) : 1.0f;
+    float window = 1.0f;
+    if (light.range > 0.0f) {
+        float q = distance / light.range;
+        float q2 = q * q;
+        window = saturate(1.0f - q2 * q2);
+    }
+    float d2 = distance * distance;
+    return d2 > 0.0f ? window / d2 : 0.0f;
+}
+
+LightSample lightAt(uint index, vec3 point) {
+    Light light = LIGHT(index);
+    LightSample result;
+    result.irradiance = light.intensity;
+    if (light.type == LIGHT_DIRECTIONAL) {
+        result.direction = vec3(-light.direction.x, -light.direction.y, -light.direction.z);
+        result.distance = FLOAT_MAX;
+        return result;
+    }
+    vec3 position = light.type == LIGHT_HEADLIGHT ? FRAME.camera.origin : light.position;
+    vec3 offset = position - point;
+    result.distance = sqrt(dot(offset, offset));
+    float inverse = result.distance > 0.0f ? 1.0f / result.distance : 0.0f;
+    result.direction = offset * inverse;
+    if (light.type == LIGHT_HEADLIGHT) return result;
+    result.irradiance = light.intensity * lightFalloff(light, result.distance);
+    if (light.type == LIGHT_SPOT) {
+        float cosine = -dot(light.direction, result.direction);
+        float edge = saturate((cosine - light.cosOuter) / max(light.cosInner - light.cosOuter, 1.0e-4f));
+        result.irradiance = result.irradiance * (edge * edge);
+    }
+    return result;
+}

@@ -1,0 +1,29 @@
+// GGX microfacets. Walter et al., "Microfacet Models for Refraction through Rough Surfaces" (2007); height-correlated
+// visibility of Heitz, "Understanding the Masking-Shadowing Function" (2014).
+
+// Normal distribution; a = roughness squared, > 0.
+float distributionGgx(float nDotH, float a) {
+    float a2 = a * a;
+    float d = (nDotH * a2 - nDotH) * nDotH + 1.0f;
+    return a2 * INV_PI / max(d * d, 1.0e-20f);
+}
+
+// G2 / (4 nDotL nDotV).
+float visibilityGgx(float nDotV, float nDotL, float a) {
+    float a2 = a * a;
+    float v = nDotL * sqrt((nDotV - nDotV * a2) * nDotV + a2);
+    float l = nDotV * sqrt((nDotL - nDotL * a2) * nDotL + a2);
+    return 0.5f / max(v + l, 1.0e-20f);
+}
+
+// Directional albedo of a rough specular lobe under uniform light. Karis, "Physically Based Shading on Mobile" (2014), fit.
+vec3 environmentBrdf(vec3 f0, float roughness, float nDotV) {
+    float rx = 1.0f - roughness;
+    float ry = -0.0275f * roughness + 0.0425f;
+    float rz = -0.572f * roughness + 1.04f;
+    float rw = 0.022f * roughness - 0.04f;
+    float a004 = min(rx * rx, expKernel(-6.43775f * nDotV)) * rx + ry;  // 2^(-9.28 x)
+    float scale = -1.04f * a004 + rz;
+    float bias = 1.04f * a004 + rw;
+    return f0 * scale + vec3(bias, bias, bias);
+}

@@ -1,0 +1,18 @@
+// Rays and their origins.
+
+// Moves a surface point off its surface along the geometric normal n by a number of ulps. Waechter & Binder, "A Fast and
+// Robust Method for Avoiding Self-Intersection", Ray Tracing Gems (2019), ch. 6.
+vec3 offsetRayOrigin(vec3 p, vec3 n) {
+    const float origin = 0.03125f;            // 1/32
+    const float floatScale = 1.52587890625e-5f;  // 1/65536
+    const float intScale = 256.0f;
+    int ix = int(intScale * n.x);
+    int iy = int(intScale * n.y);
+    int iz = int(intScale * n.z);
+    float px = intBitsToFloat(floatBitsToInt(p.x) + (p.x < 0.0f ? -ix : ix));
+    float py = intBitsToFloat(floatBitsToInt(p.y) + (p.y < 0.0f ? -iy : iy));
+    float pz = intBitsToFloat(floatBitsToInt(p.z) + (p.z < 0.0f ? -iz : iz));
+    return vec3(abs(p.x) < origin ? p.x + floatScale * n.x : px,
+                abs(p.y) < origin ? p.y + floatScale * n.y : py,
+                abs(p.z) < origin ? p.z + floatScale * n.z : pz);
+}
