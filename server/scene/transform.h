@@ -1,0 +1,37 @@
+#pragma once
+// Affine transforms of instances, in double. Private to server/scene.
+
+#include "server/scene/scene.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+namespace heliograph {
+
+using glm::dmat3;
+using glm::dmat4;
+using glm::dvec3;
+
+/// An instance's transform and what follows from it.
+struct Placement {
+    dmat3 linear{1.0};
+    dvec3 offset{0.0};
+    dmat3 cofactor{1.0};   // transforms normals, also where the determinant is 0
+    double determinant = 1.0;
+    bool identity = true;
+    bool finite = true;
+    bool invertible = true;  // and the inverse fits in float
+
+    dvec3 point(vec3 p) const { return linear * dvec3(p) + offset; }
+    /// Unit normal on the outer side; zero where the transform leaves none.
+    dvec3 normal(vec3 n) const;
+    /// The transform loses more than one dimension: nothing with an area remains.
+    bool collapsed() const;
+};
+
+/// Row 3 of the matrix is taken as (0, 0, 0, 1).
+Placement placementOf(const mat4& toWorld);
+
+/// Rows of toWorld and toObject and the flags; needs placement.invertible.
+Instance instanceOf(const Placement& placement, uint32_t mesh, uint32_t firstTriangle);
+
+}  // namespace heliograph
