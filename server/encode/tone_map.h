@@ -1,0 +1,41 @@
+#pragma once
+// Linear radiance to display codes: exposure, a tone curve per channel, sRGB, rounded. A code lies at most 0.6 from the
+// exact value (0.5 of it is the rounding) and is the same on every machine.
+
+#include "server/encode/encoder.h"
+#include "shaders/kernel/kernel_types.h"
+
+#include <array>
+#include <memory>
+
+namespace heliograph {
+
+/// Order as in the setting `toneCurve`.
+enum class ToneCurve : uint32_t {
+    filmic,  // K. Narkowicz, "ACES Filmic Tone Mapping Curve" (2016): x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14), clipped
+    linear,  // clips at 1
+};
+
+/// sRGB coding of a linear value in [0, 1] (IEC 61966-2-1), in [0, 1].
+double srgbCode(double linear);
+/// What the curve makes of exposed radiance, linear, in [0, 1].
+double toneCurveValue(ToneCurve curve, double radiance);
+
+/// Immutable; may be used by several threads at once.
+class ToneMap {
+public:
+    /// `exposure` in stops: radiance is multiplied by 2^exposure.
+    ToneMap(float exposure, ToneCurve curve);
+    /// Codes `count` pixels (rgb used, w ignored) as RGBA8 with alpha 255. Values that are negative or no number become 0.
+    void apply(const vec4* pixels, size_t count, uint8_t* rgba) const;
+    /// The whole picture.
+    void apply(const std::vector<vec4>& pixels, uvec2 resolution, DisplayImage& image) const;
+
+    struct Table;
+
+private:
+    float scale_;
+    std::shared_ptr<const Table> table_;
+};
+
+}  // namespace heliograph
