@@ -58,7 +58,7 @@ TEST(ToneMap, ExposureDoublesPerStop) {
 
 TEST(ToneMap, ChannelsAreIndependentAndAlphaIsFull) {
     ToneMap map(0.0f, ToneCurve::linear);
-    std::array<uint8_t, 4> rgba = coded(map, vec4(0.0f, 0.21404114f, 1.0f, 0.0f));
+    std::array<uint8_t, 4> rgba = coded(map, vec4(0.0f, 0.2158605f, 1.0f, 0.0f));
     EXPECT_EQ(rgba, (std::array<uint8_t, 4>{0, 128, 255, 255}));
 }
 

@@ -1,0 +1,31 @@
+#pragma once
+// Renders a frame into a film from start to end on one device: for commands and benchmarks, which know beforehand how many
+// samples they want. (A viewer's frames, which newer ones cut short, are the session's.)
+
+#include "server/render/device.h"
+#include "server/render/film.h"
+
+#include <map>
+
+namespace heliograph {
+
+struct FrameStats {
+    double milliseconds = 0.0;             // wall clock, from the first tile to the last one in the film
+    uint32_t samples = 0;                  // per pixel, completed
+    RayCounts rays;
+    uint64_t nonfiniteSamples = 0;
+    std::map<std::string, uint64_t> tiles; // delivered, by device
+};
+
+/// Resets the film and gives every pixel `samples` samples, one sample per pass over the tiles of the settings' size. Each
+/// pixel's sums grow in the same order whatever the tiles and threads, so equal requests give equal films bit for bit.
+/// The device holds the scene already. Ends early, with fewer samples, when `stop` is asked for. Throws what the device
+/// throws, and std::runtime_error when it leaves a tile out.
+FrameStats renderFrame(Device& device, const FrameRequest& request, uint32_t samples, Film& film, std::stop_token stop = {},
+                       const Progress& progress = {});
+
+/// The request for a picture of `scene` at rest: effects follow from scene and settings.
+FrameRequest frameRequest(const Scene& scene, const Camera& camera, const Settings& settings, uvec2 resolution,
+                          uint32_t generation);
+
+}  // namespace heliograph
