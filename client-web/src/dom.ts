@@ -1,0 +1,77 @@
+// Small helpers to build the page. No markup strings: everything is made as nodes, as the content policy asks.
+
+type Attributes = Readonly<Record<string, string | number | boolean>>;
+type Child = Node | string | null;
+
+function apply(element: Element, attributes: Attributes): void {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value === false) continue;
+    element.setAttribute(name, value === true ? '' : String(value));
+  }
+}
+
+/** A new element; attributes that are `false` are left out, `true` is an empty attribute. */
+export function el<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  const element = document.createElement(tag);
+  apply(element, attributes);
+  for (const child of children) if (child !== null) element.append(child);
+  return element;
+}
+
+/** Changes text only when it differs, so that nothing is laid out in vain. */
+export function setText(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+let lastId = 0;
+/** An id that is unique in the page. */
+export function uniqueId(prefix: string): string {
+  lastId += 1;
+  return `${prefix}-${lastId}`;
+}
+
+/** 24 x 24 line drawings: each string is the `d` of one stroked path. */
+const ICONS = {
+  sun: ['M12 8a4 4 0 1 0 0 8 4 4 0 0 0 0-8z', 'M12 2v2.5M12 19.5V22M2 12h2.5M19.5 12H22M5 5l1.7 1.7M17.3 17.3L19 19M19 5l-1.7 1.7M6.7 17.3L5 19'],
+  chevron: ['M6 9l6 6 6-6'],
+  camera: ['M3 8h4l2-3h6l2 3h4v11H3z', 'M12 10a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z'],
+  save: ['M12 4v11M7.5 11l4.5 4.5 4.5-4.5', 'M4 19.5h16'],
+  play: ['M7 4.5v15l12-7.5z'],
+  stop: ['M6 6h12v12H6z'],
+  sliders: ['M4 7h9M17 7h3M4 17h3M11 17h9', 'M15 5a2 2 0 1 0 0 4 2 2 0 0 0 0-4z', 'M9 15a2 2 0 1 0 0 4 2 2 0 0 0 0-4z'],
+  chart: ['M4 20V10M10 20V4M16 20v-8M22 20H2'],
+  help: ['M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18z', 'M9.6 9.4a2.5 2.5 0 1 1 3.5 2.3c-.8.4-1.1.9-1.1 1.8M12 16.6v.2'],
+  hide: ['M3 12s3.5-6 9-6 9 6 9 6-3.5 6-9 6-9-6-9-6z', 'M4 20L20 4'],
+  show: ['M3 12s3.5-6 9-6 9 6 9 6-3.5 6-9 6-9-6-9-6z', 'M12 9.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z'],
+  info: ['M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18z', 'M12 11v5.5M12 7.6v.2'],
+  warning: ['M12 4L2.5 20h19z', 'M12 10v5M12 17.3v.2'],
+  reset: ['M4.5 12a7.5 7.5 0 1 0 2.4-5.5L4.5 8.7', 'M4.5 4v4.7h4.7'],
+  close: ['M6 6l12 12M18 6L6 18'],
+  fly: ['M3 11l18-7-7 17-2.5-7.5z'],
+  orbit: ['M12 9.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z', 'M12 7c5 0 9.5 2.2 9.5 5s-4.5 5-9.5 5-9.5-2.2-9.5-5S7 7 12 7z'],
+  check: ['M5 12.5l4.5 4.5L19 7.5'],
+} as const;
+
+export type IconName = keyof typeof ICONS;
+
+export function icon(name: IconName): SVGSVGElement {
+  const space = 'http://www.w3.org/2000/svg';
+  const svg = document.createElementNS(space, 'svg');
+  apply(svg, { viewBox: '0 0 24 24', class: 'icon', 'aria-hidden': 'true' });
+  for (const d of ICONS[name]) {
+    const path = document.createElementNS(space, 'path');
+    path.setAttribute('d', d);
+    svg.append(path);
+  }
+  return svg;
+}
+
+/** A button with an icon and, where there is room, a visible label; `hint` adds the key to the tooltip. */
+export function iconButton(name: IconName, label: string, hint: string, className: string): HTMLButtonElement {
+  const title = hint === '' ? label : `${label} (${hint})`;
+  return el('button', { type: 'button', class: className, title }, icon(name), el('span', { class: 'label' }, label));
+}

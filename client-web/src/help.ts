@@ -1,0 +1,76 @@
+// The overlay that lists keys and gestures.
+
+import { el, icon } from './dom.js';
+
+type Row = readonly [keys: readonly string[], meaning: string];
+
+const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[] }[] = [
+  {
+    title: 'Move',
+    rows: [
+      [['W', 'A', 'S', 'D'], 'forward, left, back, right'],
+      [['Space'], 'ten times faster while held'],
+      [['Shift'], 'ten times slower while held'],
+      [['←', '→', '↑', '↓'], 'look around'],
+      [['Q', 'E'], 'roll left, right'],
+      [['T', 'G'], 'wider, narrower field of view'],
+    ],
+  },
+  {
+    title: 'Mouse',
+    rows: [
+      [['Drag'], 'look, or turn around the scene in orbit mode'],
+      [['Right drag', 'Shift drag'], 'pan'],
+      [['Wheel'], 'come nearer, go back'],
+    ],
+  },
+  {
+    title: 'Touch',
+    rows: [
+      [['One finger'], 'look or orbit'],
+      [['Two fingers'], 'pan; pinch to come nearer'],
+    ],
+  },
+  {
+    title: 'Page',
+    rows: [
+      [['O'], 'fly or orbit mode'],
+      [['R'], 'reset the view'],
+      [['F1'], 'hide or show the panels'],
+      [['F2'], 'start or stop the benchmark path'],
+      [['F3'], 'save a PNG of the picture'],
+      [['H', '?'], 'this help'],
+    ],
+  },
+];
+
+export class HelpDialog {
+  readonly element: HTMLDialogElement;
+
+  constructor() {
+    const close = el('button', { type: 'button', class: 'ghost', 'aria-label': 'Close help', autofocus: true }, icon('close'));
+    this.element = el(
+      'dialog',
+      { class: 'help', 'aria-labelledby': 'help-title' },
+      el('header', {}, el('h2', { id: 'help-title' }, 'Keys and gestures'), close),
+      el('div', { class: 'help-grid' }, ...SECTIONS.map((section) => this.section(section.title, section.rows))),
+    );
+    close.addEventListener('click', () => this.element.close());
+    this.element.addEventListener('click', (event) => {
+      if (event.target === this.element) this.element.close();
+    });
+  }
+
+  toggle(): void {
+    if (this.element.open) this.element.close();
+    else this.element.showModal();
+  }
+
+  private section(title: string, rows: readonly Row[]): HTMLElement {
+    const list = el('dl');
+    for (const [keys, meaning] of rows) {
+      list.append(el('dt', {}, ...keys.map((key) => el('kbd', {}, key))), el('dd', {}, meaning));
+    }
+    return el('section', {}, el('h3', {}, title), list);
+  }
+}

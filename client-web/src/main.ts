@@ -1,0 +1,96 @@
+// Puts the page together.
+
+import { Banner } from './banner.js';
+import { exposeDiagnostics } from './diagnostics.js';
+import { DisplayError } from './display.js';
+import { el, iconButton, setText } from './dom.js';
+import { HelpDialog } from './help.js';
+import { attachKeyboard, attachPointers } from './input.js';
+import { Panel } from './panel.js';
+import { MIME_TYPES, type Frame } from './protocol.js';
+import { displayName, fileName } from './scene_name.js';
+import { SettingsPanel, storedResolutionMode } from './settings_panel.js';
+import { StatsPanel } from './stats_panel.js';
+import { Toasts } from './toast.js';
+import { Dock, SceneBar } from './toolbar.js';
+import { Viewer } from './viewer.js';
+
+const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg' } as const;
+
+function saveToDisk(frame: Frame, scene: string): string {
+  const name = fileName(scene, frame.width, frame.height, frame.samples, EXTENSIONS[frame.codec]);
+  const url = URL.createObjectURL(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] }));
+  el('a', { href: url, download: name }).click();
+  window.setTimeout(() => URL.revokeObjectURL(url), 10_000);
+  return name;
+}
+
+/** Messages, pictures that arrive, and what a screen reader hears. */
+function attachMessages(viewer: Viewer, toasts: Toasts, announce: (text: string) => void): void {
+  viewer.onMessage = ({ kind, text }) => void toasts.show(kind, text);
+  viewer.onPicture = (frame) => {
+    toasts.show('notice', `Saved ${saveToDisk(frame, viewer.state.readyName)}`);
+  };
+  let announced = '';
+  viewer.on(['scene'], () => {
+    const { scene, readyName, ready } = viewer.state;
+    if (scene?.state !== 'ready' || ready === null || readyName === announced) return;
+    announced = readyName;
+    announce(`${displayName(readyName)} is shown.`);
+    const warnings = ready.warnings.length;
+    const [first] = ready.warnings;
+    if (first === undefined) return;
+    toasts.show('notice', warnings === 1 ? first : `${first} (and ${warnings - 1} more: see About the scene)`);
+  });
+}
+
+function start(): void {
+  const canvas = document.querySelector('canvas')!;
+  const page = document.querySelector<HTMLElement>('#page')!;
+  const viewer = new Viewer(canvas, storedResolutionMode());
+  exposeDiagnostics(viewer);
+
+  const toasts = new Toasts();
+  const live = el('div', { class: 'sr-only', role: 'status', 'aria-live': 'polite' });
+  const announce = (text: string): void => setText(live, text);
+  attachMessages(viewer, toasts, announce);
+
+  const group: Panel[] = [];
+  const statistics = new Panel('statistics', 'Statistics', group);
+  const settings = new Panel('settings', 'Settings', group);
+  new StatsPanel(statistics, viewer);
+  new SettingsPanel(settings, viewer);
+
+  const help = new HelpDialog();
+  const restore = iconButton('show', 'Show panels', 'F1', 'restore');
+  const togglePanels = (): void => {
+    const hidden = page.classList.toggle('bare');
+    (hidden ? canvas : restore).blur();
+    canvas.focus({ preventScroll: true });
+  };
+  restore.addEventListener('click', togglePanels);
+  const dock = new Dock(viewer, { statistics, settings }, { help: () => help.toggle(), hide: togglePanels });
+  const banner = new Banner(viewer, announce);
+  page.append(new SceneBar(viewer).element, statistics.element, settings.element, dock.element, restore, banner.element, toasts.element, live, help.element);
+
+  attachPointers(canvas, viewer.controller);
+  attachKeyboard(viewer.controller, {
+    F1: togglePanels,
+    F2: () => viewer.togglePath(),
+    F3: () => viewer.savePicture('png'),
+    KeyH: () => help.toggle(),
+    '?': () => help.toggle(),
+    KeyO: () => dock.toggleMode(),
+    KeyR: () => viewer.resetView(),
+  });
+  canvas.focus({ preventScroll: true });
+  viewer.connect();
+}
+
+try {
+  start();
+} catch (error) {
+  const text = error instanceof DisplayError ? error.message : `The page could not start: ${String(error)}`;
+  document.body.append(el('p', { class: 'fatal', role: 'alert' }, text));
+  throw error;
+}

@@ -1,0 +1,394 @@
+// The wire as docs/protocol.md states it: frame header, control messages. Everything from the server is checked here, so
+// the rest of the page deals with typed values only.
+
+import type { Bounds, Camera } from './camera.js';
+import type { Vec3 } from './vector.js';
+
+export const PROTOCOL = 'heliograph.v1';
+export const HEADER_BYTES = 64;
+
+/** Something from the server that does not follow the protocol. */
+export class ProtocolError extends Error {}
+
+export type Codec = 'jpeg' | 'png' | 'exr';
+const CODECS: readonly Codec[] = ['jpeg', 'png', 'exr'];
+export const MIME_TYPES: Readonly<Record<Codec, string>> = {
+  jpeg: 'image/jpeg',
+  png: 'image/png',
+  exr: 'image/x-exr',
+};
+const DEVICE_BITS: readonly string[] = ['embree', 'vulkan', 'remote'];
+
+export interface Frame {
+  readonly kind: 'frame' | 'picture';
+  readonly codec: Codec;
+  readonly moving: boolean;
+  readonly final: boolean; // the sample target is reached
+  readonly path: boolean; // a frame of the benchmark path
+  readonly quality: number; // jpeg
+  readonly frameId: number;
+  readonly inputId: number; // newest input that this picture shows
+  readonly generation: number;
+  readonly width: number;
+  readonly height: number;
+  readonly fullWidth: number; // display size asked for
+  readonly fullHeight: number;
+  readonly samples: number; // per pixel
+  readonly relativeError: number; // 1 = unknown
+  readonly renderMs: number;
+  readonly developMs: number;
+  readonly encodeMs: number;
+  readonly queueMs: number; // input to render start
+  readonly sendMs: number; // encoded to written
+  readonly devices: readonly string[];
+  readonly payload: Uint8Array<ArrayBuffer>;
+}
+
+/** Reads a binary message. Throws ProtocolError naming field, found value and what is allowed. */
+export function parseFrame(buffer: ArrayBuffer): Frame {
+  if (buffer.byteLength < HEADER_BYTES) {
+    throw new ProtocolError(`frame: ${buffer.byteLength} bytes, allowed: at least ${HEADER_BYTES}`);
+  }
+  const view = new DataView(buffer);
+  if (view.getUint8(0) !== 0x48 || view.getUint8(1) !== 0x47) throw new ProtocolError('frame: does not start with "HG"');
+  const kind = view.getUint8(2);
+  if (kind !== 1 && kind !== 2) throw new ProtocolError(`frame kind: ${kind}, allowed: 1, 2`);
+  const codec = CODECS[view.getUint8(3)];
+  if (codec === undefined) throw new ProtocolError(`frame codec: ${view.getUint8(3)}, allowed: 0 to ${CODECS.length - 1}`);
+  const headerBytes = view.getUint16(4, true);
+  const payloadBytes = view.getUint32(56, true);
+  if (headerBytes < HEADER_BYTES || headerBytes + payloadBytes !== buffer.byteLength) {
+    throw new ProtocolError(`frame: header ${headerBytes} + payload ${payloadBytes} bytes, found ${buffer.byteLength}`);
+  }
+  const flags = view.getUint8(6);
+  const milliseconds = (offset: number): number => view.getUint32(offset, true) / 1000;
+  const deviceBits = view.getUint32(60, true);
+  return {
+    kind: kind === 1 ? 'frame' : 'picture',
+    codec,
+    moving: (flags & 1) !== 0,
+    final: (flags & 2) !== 0,
+    path: (flags & 4) !== 0,
+    quality: view.getUint8(7),
+    frameId: view.getUint32(8, true),
+    inputId: view.getUint32(12, true),
+    generation: view.getUint32(16, true),
+    width: view.getUint16(20, true),
+    height: view.getUint16(22, true),
+    fullWidth: view.getUint16(24, true),
+    fullHeight: view.getUint16(26, true),
+    samples: view.getUint32(28, true),
+    relativeError: view.getFloat32(32, true),
+    renderMs: milliseconds(36),
+    developMs: milliseconds(40),
+    encodeMs: milliseconds(44),
+    queueMs: milliseconds(48),
+    sendMs: milliseconds(52),
+    devices: DEVICE_BITS.filter((_, bit) => (deviceBits & (1 << bit)) !== 0),
+    payload: new Uint8Array(buffer, headerBytes, payloadBytes),
+  };
+}
+
+export type SettingValue = boolean | number | string;
+export type SettingValues = Readonly<Record<string, SettingValue>>;
+
+export interface SettingRow {
+  readonly name: string;
+  readonly type: 'bool' | 'int' | 'float' | 'choice';
+  readonly default: SettingValue;
+  readonly low: number;
+  readonly high: number;
+  readonly unit: string;
+  readonly label: string;
+  readonly effect: string;
+  readonly price: string; // up, down, on, off or empty: which direction is exact and dearer
+  readonly help: string;
+  readonly choices: readonly string[];
+}
+
+export interface SceneEntry {
+  readonly name: string;
+  readonly description: string;
+}
+
+export interface NamedCamera extends Camera {
+  readonly name: string;
+}
+
+export interface EffectReason {
+  readonly name: string;
+  readonly calledFor: boolean;
+  readonly because: string;
+}
+
+export interface SceneReady {
+  readonly camera: Camera;
+  readonly cameras: readonly NamedCamera[];
+  readonly paths: readonly string[];
+  readonly bounds: Bounds;
+  readonly radius: number;
+  readonly triangles: number;
+  readonly instances: number;
+  readonly lights: number;
+  readonly warnings: readonly string[];
+  readonly effects: readonly EffectReason[];
+}
+
+export interface Hello {
+  readonly type: 'hello';
+  readonly protocol: string;
+  readonly server: string;
+  readonly viewer: number;
+  readonly schema: readonly SettingRow[];
+  readonly scenes: readonly SceneEntry[];
+  readonly maxUnacked: number;
+}
+
+export interface SceneMessage {
+  readonly type: 'scene';
+  readonly name: string;
+  readonly state: 'loading' | 'ready' | 'failed';
+  readonly what: string; // stage while loading, reason when failed
+  readonly share: number; // 0..1 while loading
+  readonly ready: SceneReady | null;
+}
+
+export type Numbers = Readonly<Record<string, number>>;
+
+export interface Stats {
+  readonly type: 'stats';
+  readonly device: string;
+  readonly framesPerSecond: number;
+  readonly samples: number;
+  readonly targetSamples: number;
+  readonly relativeError: number;
+  readonly rays: Numbers;
+  readonly mraysPerSecond: number;
+  readonly ms: Numbers;
+  readonly overheadShare: number;
+  readonly tiles: Numbers;
+  readonly viewers: number;
+  readonly residentBytes: number;
+  readonly nonfiniteSamples: number;
+}
+
+export interface PathResult {
+  readonly frames: number;
+  readonly msMean: number;
+  readonly msMedian: number;
+  readonly msP95: number;
+  readonly fpsMean: number;
+  readonly fpsMin: number;
+}
+
+export type ServerMessage =
+  | Hello
+  | SceneMessage
+  | Stats
+  | { readonly type: 'settings'; readonly values: SettingValues; readonly inputId: number | null }
+  | { readonly type: 'path'; readonly playing: boolean; readonly result: PathResult | null }
+  | { readonly type: 'notice'; readonly text: string }
+  | { readonly type: 'error'; readonly message: string; readonly about: string; readonly inputId: number | null }
+  | { readonly type: 'pong'; readonly time: number };
+
+type Fields = Record<string, unknown>;
+
+const isObject = (value: unknown): value is Fields => typeof value === 'object' && value !== null && !Array.isArray(value);
+const fieldsOf = (value: unknown): Fields => (isObject(value) ? value : {});
+const listOf = (value: unknown): readonly unknown[] => (Array.isArray(value) ? value : []);
+const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
+const numberOf = (value: unknown, fallback = 0): number =>
+  typeof value === 'number' && Number.isFinite(value) ? value : fallback;
+const inputIdOf = (value: unknown): number | null => (typeof value === 'number' ? value : null);
+
+function numbersOf(value: unknown): Numbers {
+  const numbers: Record<string, number> = {};
+  for (const [name, entry] of Object.entries(fieldsOf(value))) {
+    if (typeof entry === 'number' && Number.isFinite(entry)) numbers[name] = entry;
+  }
+  return numbers;
+}
+
+function vectorOf(value: unknown, where: string): Vec3 {
+  const [x, y, z] = listOf(value);
+  if (typeof x !== 'number' || typeof y !== 'number' || typeof z !== 'number') {
+    throw new ProtocolError(`${where}: ${JSON.stringify(value)}, allowed: three numbers`);
+  }
+  return [x, y, z];
+}
+
+function cameraOf(value: unknown, where: string): Camera {
+  const fields = fieldsOf(value);
+  return {
+    position: vectorOf(fields['position'], `${where}.position`),
+    forward: vectorOf(fields['forward'], `${where}.forward`),
+    up: vectorOf(fields['up'], `${where}.up`),
+    fieldOfView: numberOf(fields['fieldOfView'], 60),
+  };
+}
+
+function settingValuesOf(value: unknown): SettingValues {
+  const values: Record<string, SettingValue> = {};
+  for (const [name, entry] of Object.entries(fieldsOf(value))) {
+    if (typeof entry === 'boolean' || typeof entry === 'number' || typeof entry === 'string') values[name] = entry;
+  }
+  return values;
+}
+
+function settingRowOf(value: unknown): SettingRow {
+  const fields = fieldsOf(value);
+  const type = fields['type'];
+  const preset = fields['default'];
+  if (type !== 'bool' && type !== 'int' && type !== 'float' && type !== 'choice') {
+    throw new ProtocolError(`hello.schema ${textOf(fields['name'])}: type ${String(type)}, allowed: bool, int, float, choice`);
+  }
+  const choices = listOf(fields['choices']).map(textOf);
+  // A choice's default may come as the word or as its index.
+  const word = type === 'choice' && typeof preset === 'number' ? choices[preset] : preset;
+  return {
+    name: textOf(fields['name']),
+    type,
+    default: typeof word === 'boolean' || typeof word === 'number' || typeof word === 'string' ? word : 0,
+    low: numberOf(fields['low']),
+    high: numberOf(fields['high']),
+    unit: textOf(fields['unit']),
+    label: textOf(fields['label']) || textOf(fields['name']),
+    effect: textOf(fields['effect']),
+    price: textOf(fields['price']),
+    help: textOf(fields['help']),
+    choices,
+  };
+}
+
+function helloOf(fields: Fields): Hello {
+  return {
+    type: 'hello',
+    protocol: textOf(fields['protocol']),
+    server: textOf(fields['server']),
+    viewer: numberOf(fields['viewer']),
+    schema: listOf(fields['schema']).map(settingRowOf),
+    scenes: listOf(fields['scenes']).map((entry) => {
+      const scene = fieldsOf(entry);
+      return { name: textOf(scene['name']), description: textOf(scene['description']) };
+    }),
+    maxUnacked: numberOf(fields['maxUnacked'], 2),
+  };
+}
+
+function sceneReadyOf(fields: Fields): SceneReady {
+  const bounds = fieldsOf(fields['bounds']);
+  return {
+    camera: cameraOf(fields['camera'], 'scene.camera'),
+    cameras: listOf(fields['cameras']).map((entry) => ({
+      name: textOf(fieldsOf(entry)['name']),
+      ...cameraOf(entry, 'scene.cameras'),
+    })),
+    paths: listOf(fields['paths']).map(textOf),
+    bounds: { low: vectorOf(bounds['low'], 'scene.bounds.low'), high: vectorOf(bounds['high'], 'scene.bounds.high') },
+    radius: Math.max(numberOf(fields['radius'], 1), 1e-6),
+    triangles: numberOf(fields['triangles']),
+    instances: numberOf(fields['instances']),
+    lights: numberOf(fields['lights']),
+    warnings: listOf(fields['warnings']).map(textOf),
+    effects: listOf(fields['effects']).map((entry) => {
+      const effect = fieldsOf(entry);
+      return { name: textOf(effect['name']), calledFor: effect['calledFor'] === true, because: textOf(effect['because']) };
+    }),
+  };
+}
+
+function sceneOf(fields: Fields): SceneMessage {
+  const state = fields['state'];
+  if (state !== 'loading' && state !== 'ready' && state !== 'failed') {
+    throw new ProtocolError(`scene.state: ${String(state)}, allowed: loading, ready, failed`);
+  }
+  return {
+    type: 'scene',
+    name: textOf(fields['name']),
+    state,
+    what: textOf(fields['what']),
+    share: numberOf(fields['share']),
+    ready: state === 'ready' ? sceneReadyOf(fields) : null,
+  };
+}
+
+function statsOf(fields: Fields): Stats {
+  return {
+    type: 'stats',
+    device: textOf(fields['device']),
+    framesPerSecond: numberOf(fields['framesPerSecond']),
+    samples: numberOf(fields['samples']),
+    targetSamples: numberOf(fields['targetSamples']),
+    relativeError: numberOf(fields['relativeError'], 1),
+    rays: numbersOf(fields['rays']),
+    mraysPerSecond: numberOf(fields['mraysPerSecond']),
+    ms: numbersOf(fields['ms']),
+    overheadShare: numberOf(fields['overheadShare']),
+    tiles: numbersOf(fields['tiles']),
+    viewers: numberOf(fields['viewers']),
+    residentBytes: numberOf(fields['residentBytes']),
+    nonfiniteSamples: numberOf(fields['nonfiniteSamples']),
+  };
+}
+
+function pathResultOf(value: unknown): PathResult | null {
+  if (!isObject(value)) return null;
+  return {
+    frames: numberOf(value['frames']),
+    msMean: numberOf(value['msMean']),
+    msMedian: numberOf(value['msMedian']),
+    msP95: numberOf(value['msP95']),
+    fpsMean: numberOf(value['fpsMean']),
+    fpsMin: numberOf(value['fpsMin']),
+  };
+}
+
+/** Reads a text message; null for a type this page does not know (a newer server). Throws ProtocolError. */
+export function parseMessage(text: string): ServerMessage | null {
+  let fields: unknown;
+  try {
+    fields = JSON.parse(text);
+  } catch {
+    throw new ProtocolError('message: not JSON');
+  }
+  if (!isObject(fields)) throw new ProtocolError('message: not a JSON object');
+  switch (fields['type']) {
+    case 'hello':
+      return helloOf(fields);
+    case 'scene':
+      return sceneOf(fields);
+    case 'stats':
+      return statsOf(fields);
+    case 'settings':
+      return { type: 'settings', values: settingValuesOf(fields['values']), inputId: inputIdOf(fields['inputId']) };
+    case 'path':
+      return { type: 'path', playing: fields['playing'] === true, result: pathResultOf(fields['result']) };
+    case 'notice':
+      return { type: 'notice', text: textOf(fields['text']) };
+    case 'error':
+      return {
+        type: 'error',
+        message: textOf(fields['message']),
+        about: textOf(fields['about']),
+        inputId: inputIdOf(fields['inputId']),
+      };
+    case 'pong':
+      return { type: 'pong', time: numberOf(fields['time']) };
+    default:
+      return null;
+  }
+}
+
+export type PictureFormat = 'png' | 'exr' | 'jpg';
+
+/** What the viewer may say. */
+export type ViewerMessage =
+  | ({ type: 'camera'; inputId: number; moving: boolean } & Camera)
+  | { type: 'settings'; inputId: number; values: SettingValues }
+  | { type: 'resolution'; inputId: number; width: number; height: number }
+  | { type: 'scene'; name: string }
+  | { type: 'ack'; frameId: number; presentedMs: number | null }
+  | { type: 'picture'; format: PictureFormat }
+  | { type: 'path'; playing: boolean }
+  | { type: 'ping'; time: number }
+  | { type: 'token'; token: string };

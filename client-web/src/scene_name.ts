@@ -1,0 +1,13 @@
+// Names of scenes as people and files like them.
+
+/** `courtyard` as "Courtyard"; of a path only the file's name. */
+export function displayName(name: string): string {
+  const base = name.split(/[\\/]/).pop() ?? name;
+  return base.charAt(0).toUpperCase() + base.slice(1);
+}
+
+/** Name for a saved picture; only characters that every file system takes. */
+export function fileName(scene: string, width: number, height: number, samples: number, extension: string): string {
+  const base = displayName(scene).replace(/\.[a-z]+$/i, '').toLowerCase().replace(/[^a-z0-9_-]+/g, '-');
+  return `heliograph-${base || 'picture'}-${width}x${height}-${samples}spp.${extension}`;
+}

@@ -1,0 +1,367 @@
+// One viewer's session: what is known of the server, what was asked of it, and the rules between the two (restore after a
+// reconnect, acknowledge every frame, newest input wins). The panels read `state` and hear of changes by topic.
+
+import { CameraController } from './camera_controller.js';
+import type { Camera } from './camera.js';
+import { Display, type Presentation } from './display.js';
+import { MotionToPhoton, RateMeter, Window } from './latency.js';
+import {
+  parseFrame,
+  parseMessage,
+  PROTOCOL,
+  ProtocolError,
+  type Frame,
+  type Hello,
+  type PathResult,
+  type PictureFormat,
+  type SceneMessage,
+  type SceneReady,
+  type ServerMessage,
+  type SettingValue,
+  type SettingValues,
+  type Stats,
+} from './protocol.js';
+import { pictureSize, type PictureSize, type ResolutionMode } from './resolution.js';
+import { SettingsModel } from './settings_model.js';
+import { Connection, socketUrl, tokenOf, type ConnectionState } from './socket.js';
+
+export type Topic = 'connection' | 'hello' | 'scene' | 'settings' | 'stats' | 'path' | 'frame' | 'camera' | 'resolution';
+
+export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
+
+export interface ViewerState {
+  connection: ConnectionState;
+  hello: Hello | null;
+  scene: SceneMessage | null; // the newest word on it
+  ready: SceneReady | null; // of the scene that is shown
+  readyName: string;
+  stats: Stats | null;
+  pathPlaying: boolean;
+  pathResult: PathResult | null;
+  lastFrame: Frame | null; // the newest that was presented
+  framesPresented: number;
+  framesDropped: number;
+  lastInputId: number;
+  picturesAwaited: number;
+  resolution: PictureSize;
+  resolutionMode: ResolutionMode;
+}
+
+const RESIZE_DELAY = 150; // ms
+const PAUSE = 1000; // ms
+const STAGES_KEPT = 30; // frames
+
+export class Viewer {
+  readonly state: ViewerState;
+  readonly settings = new SettingsModel();
+  readonly controller: CameraController;
+  readonly motionToPhoton = new MotionToPhoton(240);
+  readonly frameIntervals = new Window(120); // ms between presented frames
+  readonly decodeMs = new Window(STAGES_KEPT);
+  readonly roundTrips = new Window(5); // ms
+  readonly presentedRate = new RateMeter(1000);
+  readonly receivedRate = new RateMeter(2000); // bytes
+  readonly recentFrames: Frame[] = []; // newest last, at most STAGES_KEPT
+
+  lastPresentedAt = -Infinity; // performance.now()
+
+  /** Set by the page. */
+  onMessage: (message: Message) => void = () => undefined;
+  onPicture: (frame: Frame) => void = () => undefined;
+
+  private readonly listeners_ = new Map<Topic, (() => void)[]>();
+  private readonly connection_: Connection;
+  private readonly display_: Display;
+  private restTimer_ = 0;
+  private resizeTimer_ = 0;
+  private restoring_: { scene: string; asked: boolean } | null = null;
+  private pendingSettings_: Record<string, SettingValue> | null = null;
+
+  constructor(
+    private readonly canvas_: HTMLCanvasElement,
+    resolutionMode: ResolutionMode,
+  ) {
+    this.display_ = new Display(canvas_, {
+      presented: (presentation) => this.presented(presentation),
+      dropped: (frame, reason) => this.dropped(frame, reason),
+    });
+    const hooks = {
+      state: (state: ConnectionState) => this.connectionChanged(state),
+      text: (text: string) => this.received(() => this.control(parseMessage(text))),
+      binary: (buffer: ArrayBuffer) => this.received(() => this.binary(buffer)),
+    };
+    this.connection_ = new Connection(socketUrl(location.href), hooks, tokenOf(location.href));
+    this.controller = new CameraController({
+      schedule: () => requestAnimationFrame((time) => this.controller.step(time)),
+      restAfter: (ms) => this.restAfter(ms),
+      send: (camera, moving, eventTime) => this.sendCamera(camera, moving, eventTime),
+      changed: () => this.emit('camera'),
+    });
+    this.state = {
+      connection: { name: 'connecting' },
+      hello: null,
+      scene: null,
+      ready: null,
+      readyName: '',
+      stats: null,
+      pathPlaying: false,
+      pathResult: null,
+      lastFrame: null,
+      framesPresented: 0,
+      framesDropped: 0,
+      lastInputId: 0,
+      picturesAwaited: 0,
+      resolution: { width: 0, height: 0 },
+      resolutionMode,
+    };
+    window.addEventListener('resize', () => this.resized());
+    this.measure();
+  }
+
+  on(topics: readonly Topic[], listener: () => void): void {
+    for (const topic of topics) this.listeners_.set(topic, [...(this.listeners_.get(topic) ?? []), listener]);
+  }
+
+  connect(): void {
+    this.connection_.open();
+  }
+
+  openScene(name: string): void {
+    this.restoring_ = null;
+    this.connection_.send({ type: 'scene', name });
+  }
+
+  /** Shown at once; sent with the next animation frame, together with what else changes until then. */
+  setSettings(values: SettingValues): void {
+    if (this.pendingSettings_ === null) {
+      this.pendingSettings_ = {};
+      requestAnimationFrame(() => this.flushSettings());
+    }
+    Object.assign(this.pendingSettings_, values);
+    this.settings.change(values, this.state.lastInputId + 1);
+  }
+
+  setResolutionMode(mode: ResolutionMode): void {
+    this.state.resolutionMode = mode;
+    this.sendResolution();
+  }
+
+  togglePath(): void {
+    if (!this.state.pathPlaying && this.state.ready?.paths.length === 0) {
+      this.onMessage({ kind: 'notice', text: 'This scene has no camera path to play. Choose another scene.' });
+      return;
+    }
+    this.connection_.send({ type: 'path', playing: !this.state.pathPlaying });
+  }
+
+  savePicture(format: PictureFormat): void {
+    if (!this.connection_.isOpen || this.state.ready === null) {
+      this.onMessage({ kind: 'error', text: 'There is no picture to save yet. Wait until the scene is shown.' });
+      return;
+    }
+    this.state.picturesAwaited += 1;
+    this.connection_.send({ type: 'picture', format });
+    this.emit('frame');
+  }
+
+  resetView(): void {
+    if (this.state.ready !== null) this.controller.jump(this.state.ready.camera, performance.now());
+  }
+
+  private emit(topic: Topic): void {
+    for (const listener of this.listeners_.get(topic) ?? []) listener();
+  }
+
+  private nextInputId(): number {
+    this.state.lastInputId += 1;
+    return this.state.lastInputId;
+  }
+
+  private received(handle: () => void): void {
+    try {
+      handle();
+    } catch (error) {
+      if (!(error instanceof ProtocolError)) throw error;
+      this.onMessage({ kind: 'error', text: `The server sent something this page cannot read (${error.message}).` });
+    }
+  }
+
+  private connectionChanged(state: ConnectionState): void {
+    this.state.connection = state;
+    if (state.name === 'open') {
+      this.roundTrips.clear();
+    } else if (state.name === 'waiting' || state.name === 'stopped') {
+      this.display_.reset();
+      this.motionToPhoton.reset();
+      this.state.picturesAwaited = 0;
+      this.state.pathPlaying = false;
+      this.controller.enabled = true;
+      this.emit('path');
+      this.emit('frame');
+    }
+    this.emit('connection');
+  }
+
+  private control(message: ServerMessage | null): void {
+    switch (message?.type) {
+      case 'hello':
+        return this.hello(message);
+      case 'scene':
+        return this.scene(message);
+      case 'settings':
+        this.settings.echo(message.values, message.inputId);
+        return this.emit('settings');
+      case 'stats':
+        this.state.stats = message;
+        return this.emit('stats');
+      case 'path':
+        return this.path(message.playing, message.result);
+      case 'notice':
+        return this.onMessage({ kind: 'notice', text: message.text });
+      case 'error':
+        return this.error(message.message, message.about, message.inputId);
+      case 'pong':
+        return this.roundTrips.push(performance.now() - message.time);
+    }
+  }
+
+  private hello(hello: Hello): void {
+    if (hello.protocol !== PROTOCOL) {
+      this.connection_.stop(`The server speaks ${hello.protocol}, this page ${PROTOCOL}. Reload the page.`);
+      return;
+    }
+    this.connection_.confirm();
+    const before = this.state.hello;
+    this.state.hello = hello;
+    this.settings.setSchema(hello.schema);
+    if (before !== null && this.state.readyName !== '') this.restoring_ = { scene: this.state.readyName, asked: false };
+    if (before !== null && before.server !== hello.server) {
+      this.onMessage({ kind: 'notice', text: `The server is now version ${hello.server}. Reload the page to match it.` });
+    }
+    this.emit('hello');
+    this.emit('settings');
+    this.sendResolution();
+    const values = this.settings.restorable();
+    if (Object.keys(values).length > 0) this.setSettings(values);
+  }
+
+  private scene(message: SceneMessage): void {
+    const restoring = this.restoring_;
+    if (restoring !== null && message.name !== restoring.scene && !restoring.asked) {
+      restoring.asked = true;
+      if (this.state.hello?.scenes.some((entry) => entry.name === restoring.scene) === true) {
+        this.connection_.send({ type: 'scene', name: restoring.scene });
+        return;
+      }
+      this.restoring_ = null;
+    }
+    this.state.scene = message;
+    if (message.ready !== null) this.sceneReady(message.name, message.ready);
+    if (message.state === 'failed') {
+      this.restoring_ = null;
+      this.onMessage({ kind: 'error', text: `The scene ${message.name} could not be opened: ${message.what}` });
+    }
+    this.emit('scene');
+  }
+
+  private sceneReady(name: string, ready: SceneReady): void {
+    const restored = this.restoring_?.scene === name;
+    this.restoring_ = null;
+    this.state.ready = ready;
+    this.state.readyName = name;
+    this.state.pathResult = null;
+    this.controller.setScene(ready.bounds, ready.radius);
+    if (restored) this.controller.resend(performance.now());
+    else this.controller.jump(ready.camera, performance.now());
+  }
+
+  private path(playing: boolean, result: PathResult | null): void {
+    const stopped = this.state.pathPlaying && !playing;
+    this.state.pathPlaying = playing;
+    if (playing) this.state.pathResult = null;
+    if (result !== null) this.state.pathResult = result;
+    this.controller.enabled = !playing;
+    if (stopped) this.controller.resend(performance.now());
+    this.emit('path');
+  }
+
+  private error(message: string, about: string, inputId: number | null): void {
+    if (about === 'picture') this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
+    const names = about === 'settings' ? this.settings.refused(message, inputId) : [];
+    if (names.length === 0) this.onMessage({ kind: 'error', text: message });
+    this.emit('settings');
+    this.emit('frame');
+  }
+
+  private binary(buffer: ArrayBuffer): void {
+    const frame = parseFrame(buffer);
+    this.receivedRate.push(performance.now(), buffer.byteLength);
+    if (frame.kind === 'frame') {
+      this.display_.push(frame);
+      return;
+    }
+    this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
+    this.onPicture(frame);
+    this.emit('frame');
+  }
+
+  private presented({ frame, decodeMs, time }: Presentation): void {
+    const latency = this.motionToPhoton.presented(frame.inputId, time);
+    this.connection_.send({ type: 'ack', frameId: frame.frameId, presentedMs: latency });
+    this.state.lastFrame = frame;
+    this.state.framesPresented += 1;
+    this.decodeMs.push(decodeMs);
+    this.recentFrames.push(frame);
+    if (this.recentFrames.length > STAGES_KEPT) this.recentFrames.shift();
+    this.presentedRate.push(time, 1);
+    // A pause between inputs is no slow frame.
+    if (time - this.lastPresentedAt < PAUSE) this.frameIntervals.push(time - this.lastPresentedAt);
+    this.lastPresentedAt = time;
+    this.emit('frame');
+  }
+
+  private dropped(frame: Frame, reason: 'newer' | 'undecodable'): void {
+    this.state.framesDropped += 1;
+    this.connection_.send({ type: 'ack', frameId: frame.frameId, presentedMs: null });
+    if (reason === 'undecodable') {
+      this.onMessage({ kind: 'error', text: `Frame ${frame.frameId} could not be decoded (${frame.codec}).` });
+    }
+  }
+
+  private sendCamera(camera: Camera, moving: boolean, eventTime: number): void {
+    const inputId = this.nextInputId();
+    if (this.connection_.isOpen) this.motionToPhoton.sent(inputId, eventTime);
+    this.connection_.send({ type: 'camera', inputId, moving, ...camera });
+  }
+
+  private restAfter(ms: number | null): void {
+    window.clearTimeout(this.restTimer_);
+    if (ms !== null) this.restTimer_ = window.setTimeout(() => this.controller.rest(performance.now()), ms);
+  }
+
+  private flushSettings(): void {
+    const values = this.pendingSettings_;
+    this.pendingSettings_ = null;
+    if (values === null) return;
+    const inputId = this.nextInputId();
+    this.settings.change(values, inputId);
+    this.connection_.send({ type: 'settings', inputId, values });
+  }
+
+  private resized(): void {
+    window.clearTimeout(this.resizeTimer_);
+    this.resizeTimer_ = window.setTimeout(() => this.sendResolution(), RESIZE_DELAY);
+  }
+
+  private measure(): void {
+    const box = this.canvas_.getBoundingClientRect();
+    this.controller.viewHeight = box.height;
+    this.state.resolution = pictureSize(box.width, box.height, window.devicePixelRatio, this.state.resolutionMode);
+  }
+
+  private sendResolution(): void {
+    this.measure();
+    this.connection_.send({ type: 'resolution', inputId: this.nextInputId(), ...this.state.resolution });
+    this.emit('resolution');
+  }
+}
