@@ -94,8 +94,7 @@ ensure_modules() {
 ensure_page() {
     local sum
     ensure_modules || return 1
-    sum=$(find client-web -name node_modules -prune -o -name dist -prune -o -type f -print0 |
-        sort -z | xargs -0 sha256sum | sha256sum) || return 1
+    sum=$(sum_of client-web/src client-web/static client-web/tools client-web/*.json) || return 1
     if [ -f client-web/dist/index.html ] && up_to_date build/page.stamp "$sum"; then return 0; fi
     say "Building the page"
     quietly out/setup/page.log "Building the page" npm --prefix client-web run build || return 1
