@@ -132,7 +132,11 @@ uint32_t Film::completedSamples() const {
 
 void Film::develop(std::vector<vec4>& pixels) const {
     pixels.resize(static_cast<size_t>(resolution_.x) * resolution_.y);
-    develop(0, resolution_.y, pixels.data());
+    // By strips, so that adds from other threads wait for one strip only.
+    constexpr uint32_t STRIP = 8 * BLOCK;
+    for (uint32_t y = 0; y < resolution_.y; y += STRIP) {
+        develop(y, std::min(y + STRIP, resolution_.y), pixels.data() + static_cast<size_t>(y) * resolution_.x);
+    }
 }
 
 void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {

@@ -1,0 +1,111 @@
+#include "server/app/inspect_command.h"
+
+#include "server/app/progress_bar.h"
+#include "server/base/text.h"
+#include "server/render/effect_set.h"
+#include "server/scene/scene_source.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+namespace heliograph {
+
+namespace {
+
+/// Materials that some triangle has.
+size_t usedMaterials(const Scene& scene) {
+    std::vector<bool> used(scene.materials.size(), false);
+    for (const uvec4& triangle : scene.triangles) used[triangle.w] = true;
+    return static_cast<size_t>(std::count(used.begin(), used.end(), true));
+}
+
+/// Images on surfaces; the environment's is an effect of its own.
+size_t surfaceImages(const Scene& scene) {
+    return scene.images.size() - (scene.environment.image == NO_INDEX || scene.images.empty() ? 0 : 1);
+}
+
+void printEffects(const nlohmann::ordered_json& effects, bool calledFor, std::ostream& out) {
+    for (const auto& effect : effects) {
+        if (effect["called_for"].get<bool>() != calledFor) continue;
+        char name[32];
+        std::snprintf(name, sizeof name, "  %-20s", effect["name"].get<std::string>().c_str());
+        out << name << oneLine(effect["because"].get<std::string>()) << "\n";
+    }
+}
+
+void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std::ostream& out) {
+    auto row = [&](const char* label, const std::string& value) {
+        char name[32];
+        std::snprintf(name, sizeof name, "  %-20s", label);
+        out << name << oneLine(value) << "\n";
+    };
+    auto joined = [](const auto& items) {
+        std::string text;
+        for (const auto& item : items) text += (text.empty() ? "" : ", ") + item.name;
+        return text.empty() ? std::string("none") : text;
+    };
+    auto corner = [](vec3 v) {
+        char text[96];
+        std::snprintf(text, sizeof text, "(%.4g, %.4g, %.4g)", v.x, v.y, v.z);
+        return std::string(text);
+    };
+    out << oneLine(json["scene"].get<std::string>()) << "\n";
+    for (const char* key : {"triangles", "instances", "materials", "lights", "textures"}) row(key, json[key].dump());
+    char size[32];
+    std::snprintf(size, sizeof size, "%.1f MB", static_cast<double>(scene.bytes()) / 1e6);
+    row("memory", size);
+    row("bounds", corner(scene.bounds.low) + " to " + corner(scene.bounds.high) + " m");
+    row("cameras", joined(scene.cameras));
+    row("camera paths", joined(scene.paths));
+    out << "\ncalls for\n";
+    printEffects(json["effects"], true, out);
+    out << "\ndoes not call for\n";
+    printEffects(json["effects"], false, out);
+    if (!scene.warnings.empty()) out << "\nwarnings\n";
+    for (const std::string& warning : scene.warnings) out << "  " << oneLine(warning) << "\n";
+}
+
+}  // namespace
+
+nlohmann::ordered_json inspection(const Scene& scene, const std::string& name) {
+    nlohmann::ordered_json effects = nlohmann::ordered_json::array();
+    for (const EffectReason& reason : explainEffects(scene)) {
+        effects.push_back({{"name", reason.name}, {"called_for", reason.calledFor}, {"because", reason.because}});
+    }
+    return {{"scene", name},
+            {"triangles", scene.triangleCount()},
+            {"instances", scene.instances.size()},
+            {"materials", usedMaterials(scene)},
+            {"lights", scene.lights.size()},
+            {"textures", surfaceImages(scene)},
+            {"bytes", scene.bytes()},
+            {"effects", effects},
+            {"warnings", scene.warnings}};
+}
+
+int runInspect(const SceneOptions& options, std::ostream& out) {
+    std::shared_ptr<const Scene> scene;
+    {
+        ProgressBar bar;
+        scene = openScene(options.scene, options.environment, bar.progress());
+    }
+    const nlohmann::ordered_json json = inspection(*scene, scene->name);
+    // Names come from files, which may hold anything: what is no UTF-8 is replaced, not thrown about.
+    if (options.json) out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    else printForPeople(*scene, json, out);
+    return 0;
+}
+
+void addInspectCommand(CLI::App& app, std::function<int()>& run) {
+    auto options = std::make_shared<SceneOptions>();
+    CLI::App* command = app.add_subcommand("inspect", "Show what is in a scene, which effects it calls for and why");
+    addSceneArgument(*command, *options);
+    addJsonOption(*command, *options);
+    command->footer("Examples:\n"
+                    "  heliograph inspect glass\n"
+                    "  heliograph inspect model.glb --json");
+    command->callback([&run, options] { run = [options] { return runInspect(*options, std::cout); }; });
+}
+
+}  // namespace heliograph

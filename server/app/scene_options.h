@@ -1,0 +1,55 @@
+#pragma once
+// What the commands render, inspect and bench have in common on their command line, and what it means.
+
+#include "server/render/camera.h"
+#include "server/render/settings.h"
+#include "server/scene/scene.h"
+
+#include <CLI/CLI.hpp>
+
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace heliograph {
+
+/// As typed.
+struct SceneOptions {
+    std::string scene;
+    std::string environment;  // file, or empty
+    std::string size = "1280x720";
+    std::string device;       // empty: as the settings say
+    std::string camera;       // empty: the scene's first
+    std::vector<std::string> settings;  // key=value
+    bool json = false;
+};
+
+/// SCENE and --environment.
+void addSceneArgument(CLI::App& command, SceneOptions& options);
+void addJsonOption(CLI::App& command, SceneOptions& options);
+/// --size, --device and --set.
+void addRenderOptions(CLI::App& command, SceneOptions& options);
+void addCameraOption(CLI::App& command, SceneOptions& options);
+
+/// All settings with range, default and help, for the end of a command's --help.
+std::string settingsHelp();
+
+/// Settings of a command line and which of them were named there.
+struct GivenSettings {
+    Settings settings;
+    std::set<std::string> named;
+    bool has(const std::string& name) const { return named.count(name) != 0; }
+};
+
+/// Defaults, --set in order, then --device. Throws InputError.
+GivenSettings givenSettings(const SceneOptions& options);
+/// `WxH`, pixels. Throws InputError when it is not that, a side is 0, or there are more pixels than 33,177,600 (8K).
+uvec2 parsedSize(const std::string& text);
+/// The pixels that are rendered for a picture of `size`: times renderScale, at least 1x1.
+uvec2 renderedSize(uvec2 size, const Settings& settings);
+/// The scene's camera of that name, or its first for "". A fieldOfView that was named replaces the camera's, else the
+/// setting takes over the camera's. Throws InputError that lists the names.
+Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given);
+
+}  // namespace heliograph
