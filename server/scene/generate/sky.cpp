@@ -37,7 +37,7 @@ vec3 skyRadiance(const SkyLook& look, vec3 d, vec2 uv) {
 }  // namespace
 
 ImageData paintSky(const SkyLook& look) {
-    const uint32_t width = 1024, height = 512;
+    const uint32_t width = 768, height = 384;
     ImageData image{.width = width, .height = height, .srgb = false, .name = "sky"};
     image.rgb32f.resize(size_t(width) * height * 3);
     tbb::parallel_for(0u, height, [&](uint32_t y) {

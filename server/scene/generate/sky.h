@@ -16,7 +16,7 @@ struct SkyLook {
     uint32_t seed = 1;
 };
 
-/// 1024 x 512 floats; the kernel's orientation: the middle column looks along -Z, the first row is +Y.
+/// 768 x 384 pixels; the kernel's orientation: the middle column looks along -Z, the first row is +Y.
 ImageData paintSky(const SkyLook& look);
 /// The directional light that belongs to a sun: `toSun` unit, `irradiance` on a surface that faces it.
 Light sunLight(vec3 toSun, vec3 irradiance);

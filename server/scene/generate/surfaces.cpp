@@ -44,7 +44,7 @@ SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres,
     SurfaceImages result;
     result.metres = metres;
     std::vector<float> heights(size_t(size) * size);
-    std::vector<uint8_t> color(size_t(size) * size * 4), normal(size_t(size) * size * 4);
+    std::vector<uint8_t> color(size_t(size) * size * 4);
     tbb::parallel_for(tbb::blocked_range<uint32_t>(0, size, 16), [&](const tbb::blocked_range<uint32_t>& rows) {
         for (uint32_t y = rows.begin(); y < rows.end(); ++y) {
             for (uint32_t x = 0; x < size; ++x) {
@@ -56,20 +56,25 @@ SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres,
             }
         }
     });
-    const float slopeScale = float(size) / (2.0f * metres);
-    for (uint32_t y = 0; y < size; ++y) {
-        for (uint32_t x = 0; x < size; ++x) {
+    // Normals at half the resolution: a quarter of the memory, and finer ones would only glitter.
+    const uint32_t half = size / 2;
+    std::vector<uint8_t> normal(size_t(half) * half * 4);
+    const float slopeScale = float(size) / (3.0f * metres);
+    for (uint32_t y = 0; y < half; ++y) {
+        for (uint32_t x = 0; x < half; ++x) {
+            // Sums over the texel's two rows or columns; the outer differences reach three pixels.
             auto at = [&](uint32_t u, uint32_t v) { return heights[size_t(v % size) * size + u % size]; };
-            const float du = (at(x + 1, y) - at(x + size - 1, y)) * slopeScale, dv = (at(x, y + 1) - at(x, y + size - 1)) * slopeScale;
-            // Green points against growing v, as glTF has it.
-            const vec3 n = glm::normalize(vec3(-du, dv, 1.0f));
-            const size_t i = (size_t(y) * size + x) * 4;
+            const uint32_t u = 2 * x, v = 2 * y;
+            const float du = 0.5f * (at(u + 2, v) + at(u + 2, v + 1) - at(u + size - 1, v) - at(u + size - 1, v + 1)) * slopeScale;
+            const float dv = 0.5f * (at(u, v + 2) + at(u + 1, v + 2) - at(u, v + size - 1) - at(u + 1, v + size - 1)) * slopeScale;
+            const vec3 n = glm::normalize(vec3(-du, dv, 1.0f));  // green points against growing v, as glTF has it
+            const size_t i = (size_t(y) * half + x) * 4;
             for (int c = 0; c < 3; ++c) normal[i + size_t(c)] = byteOf(0.5f + 0.5f * n[c]);
             normal[i + 3] = 255;
         }
     }
     result.color = {.width = size, .height = size, .srgb = true, .rgba8 = std::move(color), .name = name};
-    result.normal = {.width = size, .height = size, .srgb = false, .rgba8 = std::move(normal), .name = name + " normal"};
+    result.normal = {.width = half, .height = half, .srgb = false, .rgba8 = std::move(normal), .name = name + " normal"};
     return result;
 }
 
@@ -115,8 +120,8 @@ SurfaceImages paintPlaster(const std::string& name, vec3 color, uint32_t seed) {
     return paintSurface(name, 512, 3.0f, [=](vec2 uv) {
         const float broad = fractalNoise(uv * 3.0f, 3, 5, seed), trowel = fractalNoise(uv * 14.0f, 14, 4, seed + 5);
         const float grain = valueNoise(uv * 256.0f, 256, seed + 9);
-        const float faded = stepBetween(0.45f, 0.70f, fractalNoise(uv * 5.0f, 5, 4, seed + 17));
-        const vec3 pale = glm::mix(color, vec3(0.88f, 0.82f, 0.72f), 0.35f);
+        const float faded = stepBetween(0.30f, 0.75f, fractalNoise(uv * 5.0f, 5, 4, seed + 17));
+        const vec3 pale = glm::mix(color, vec3(0.88f, 0.82f, 0.72f), 0.16f);
         const vec3 tone = glm::mix(color, pale, faded) * (0.90f + 0.18f * (broad - 0.4f) + 0.04f * (grain - 0.5f));
         return SurfacePoint{tone, 0.006f * trowel + 0.0015f * grain};
     });
@@ -132,7 +137,7 @@ SurfaceImages paintPavers(const std::string& name, uint32_t seed) {
         const int kind = diamond ? 99 : 0;
         const float tint = hash01(slab.column + kind, slab.row, seed);
         const float broad = fractalNoise(uv * 8.0f, 8, 5, seed + 2), grain = fractalNoise(uv * 96.0f, 96, 2, seed + 3);
-        const vec3 base = diamond ? vec3(0.55f, 0.36f, 0.28f) : glm::mix(vec3(0.70f, 0.64f, 0.54f), vec3(0.78f, 0.72f, 0.62f), tint);
+        const vec3 base = diamond ? vec3(0.55f, 0.36f, 0.28f) : glm::mix(vec3(0.71f, 0.62f, 0.50f), vec3(0.79f, 0.71f, 0.58f), tint);
         const vec3 color = base * (0.85f + 0.24f * broad + 0.06f * (grain - 0.5f));
         const float inside = diamond && slab.joint * 4.0f < std::abs(inset) * 0.7f ? std::abs(inset) * 0.7f : joint;  // no joint across an inset
         const float face = stepBetween(0.006f, 0.016f, inside);
@@ -205,7 +210,7 @@ SurfaceImages paintMarbleChequer(const std::string& name, vec3 light, vec3 dark,
 }
 
 SurfaceImages paintCloth(const std::string& name, vec3 color, vec3 pattern, uint32_t seed) {
-    return paintSurface(name, 512, 0.8f, [=](vec2 uv) {
+    return paintSurface(name, 256, 0.8f, [=](vec2 uv) {
         const vec2 cell(fraction(uv.x * 4.0f) - 0.5f, fraction(uv.y * 4.0f) - 0.5f);
         const float diamond = std::abs(cell.x) + std::abs(cell.y);
         const float lattice = 1.0f - stepBetween(0.018f, 0.04f, std::abs(diamond - 0.5f));
@@ -215,6 +220,12 @@ SurfaceImages paintCloth(const std::string& name, vec3 color, vec3 pattern, uint
         const float worn = fractalNoise(uv * 5.0f, 5, 4, seed);
         const vec3 tone = glm::mix(color, pattern, std::max(lattice, flower));
         return SurfacePoint{tone * (0.80f + 0.12f * thread + 0.16f * worn), 0.0006f * thread + 0.0008f * std::max(lattice, flower)};
+    });
+}
+
+SurfaceImages paintRipples(const std::string& name, uint32_t seed) {
+    return paintSurface(name, 256, 0.9f, [=](vec2 uv) {
+        return SurfacePoint{vec3(0.5f), 0.009f * fractalNoise(uv * 6.0f, 6, 3, seed)};
     });
 }
 

@@ -38,6 +38,8 @@ SurfaceImages paintWood(const std::string& name, vec3 color, uint32_t seed);
 SurfaceImages paintMarbleChequer(const std::string& name, vec3 light, vec3 dark, uint32_t seed);
 /// Heavy cloth with a woven diaper pattern in the second colour.
 SurfaceImages paintCloth(const std::string& name, vec3 color, vec3 pattern, uint32_t seed);
+/// Small waves on water.
+SurfaceImages paintRipples(const std::string& name, uint32_t seed);
 /// Leaded panes for a lancet window; `palette` picks the glass. Not square: width x 2 width.
 ImageData paintStainedGlass(const std::string& name, uint32_t width, int palette, uint32_t seed);
 
