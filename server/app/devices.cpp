@@ -12,4 +12,6 @@ std::unique_ptr<Device> makeDevice(const Settings& settings) {
     throw std::runtime_error("device " + word + ": not part of this build");
 }
 
+std::unique_ptr<RawBench> makeRawBench(const Settings&) { return nullptr; }
+
 }  // namespace heliograph

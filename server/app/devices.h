@@ -1,6 +1,7 @@
 #pragma once
 // The devices of this build by name: the one place that knows their classes.
 
+#include "server/lab/raw_bench.h"
 #include "server/render/device.h"
 
 #include <memory>
@@ -9,5 +10,7 @@ namespace heliograph {
 
 /// The device that the setting `device` means; auto is the CPU. Throws std::runtime_error if it cannot start.
 std::unique_ptr<Device> makeDevice(const Settings& settings);
+/// The bare tracing of the same device; null for one that offers none.
+std::unique_ptr<RawBench> makeRawBench(const Settings& settings);
 
 }  // namespace heliograph

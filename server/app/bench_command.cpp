@@ -1,0 +1,186 @@
+#include "server/app/bench_command.h"
+
+#include "server/app/devices.h"
+#include "server/app/output_file.h"
+#include "server/app/progress_bar.h"
+#include "server/base/error.h"
+#include "server/lab/device_bench.h"
+#include "server/lab/frame_bench.h"
+#include "server/scene/scene_source.h"
+
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+namespace heliograph {
+
+namespace {
+
+constexpr int64_t MOST_RUNS = 100'000;
+
+uint32_t checkedCount(const char* option, int64_t value) {
+    if (value < 1 || value > MOST_RUNS) {
+        throw InputError(option, std::to_string(value), "1 to " + std::to_string(MOST_RUNS));
+    }
+    return static_cast<uint32_t>(value);
+}
+
+/// What every benchmark begins with.
+struct Bench {
+    GivenSettings given;
+    uvec2 resolution{0, 0};
+    std::shared_ptr<const Scene> scene;
+    Camera camera;
+    std::unique_ptr<Device> device;
+
+    explicit Bench(const BenchOptions& options) : given(givenSettings(options)) {
+        resolution = renderedSize(parsedSize(options.size), given.settings);
+    }
+
+    void open(const BenchOptions& options, const Progress& progress) {
+        scene = openScene(options.scene, options.environment, progress);
+        camera = chosenCamera(*scene, options.camera, given);
+        device = makeDevice(given.settings);
+        device->load(scene, given.settings, progress);
+    }
+};
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+    char text[256];
+    std::snprintf(text, sizeof text, format, values...);
+    return text;
+}
+
+std::string dumped(const nlohmann::ordered_json& json) {
+    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void printForPeople(const FrameBenchResult& r, std::ostream& out) {
+    const nlohmann::ordered_json json = toJson(r);
+    auto number = [&](const char* key) { return json[key].get<double>(); };
+    out << r.scene << " on " << r.device << ", " << formatted("%ux%u, %zu frames", r.resolution.x, r.resolution.y, r.rays.size())
+        << (r.path.empty() ? ", camera at rest" : ", along the path " + r.path) << "\n";
+    out << formatted("  ms a frame       mean %.2f  median %.2f  95 of 100 below %.2f\n", number("ms_mean"), number("ms_median"),
+                     number("ms_p95"));
+    out << formatted("  frames a second  mean %.1f  slowest %.1f\n", number("fps_mean"), number("fps_min"));
+    out << formatted("  rays             %.1f million a second\n", number("mrays_per_s"));
+    for (const auto& [kind, count] : json["rays"].items()) {
+        out << formatted("    %-18s %llu\n", kind.c_str(), static_cast<unsigned long long>(count.get<uint64_t>()));
+    }
+    if (r.nonfiniteSamples > 0) out << "  " << r.nonfiniteSamples << " samples were no numbers\n";
+}
+
+void printRatio(const char* label, const nlohmann::ordered_json& frame, std::ostream& out) {
+    out << formatted("  %-22s %9.2f ms %9.2f core ms", label, frame["ms"].get<double>(), frame["core_ms"].get<double>());
+    if (frame.contains("overhead_ratio")) {
+        out << formatted("   bare rays %9.2f core ms   ratio %.3f (wall %.3f)", frame["raw_core_ms"].get<double>(),
+                         frame["overhead_ratio"].get<double>(), frame["overhead_ratio_wall"].get<double>());
+    }
+    out << "\n";
+}
+
+void printForPeople(const nlohmann::ordered_json& json, std::ostream& out) {
+    out << json["scene"].get<std::string>()
+        << formatted(", %ux%u, medians of %u repetitions\n", json["width"].get<uint32_t>(), json["height"].get<uint32_t>(),
+                     json["repetitions"].get<uint32_t>());
+    for (const auto& [device, frame] : json["frame"].items()) {
+        out << device << "\n";
+        if (json["raw"].contains(device)) {
+            const nlohmann::ordered_json& raw = json["raw"][device];
+            out << formatted("  bare rays, million/s   primary %.1f  shadow %.1f  ambient occlusion %.1f\n",
+                             raw["primary"].get<double>(), raw["shadow"].get<double>(), raw["ambient_occlusion"].get<double>());
+        }
+        printRatio("primary + shadow", frame, out);
+        printRatio("  with 9 AO rays", frame["ao9"], out);
+        out << formatted("  %-22s %9.2f ms %9.2f core ms   packets are %.2f times as fast\n", "ray by ray",
+                         frame["single_ms"].get<double>(), frame["single_core_ms"].get<double>(),
+                         frame["packet_speedup"].get<double>());
+    }
+}
+
+void addCommon(CLI::App& command, BenchOptions& options) {
+    addSceneArgument(command, options);
+    addCameraOption(command, options);
+    addRenderOptions(command, options);
+    addJsonOption(command, options);
+}
+
+}  // namespace
+
+int runBenchFrames(const BenchOptions& options, std::ostream& out) {
+    Bench bench(options);
+    FrameBenchOptions bounds;
+    bounds.frames = checkedCount("--frames", options.frames);
+    std::optional<OutputFile> csv;
+    if (!options.csv.empty()) csv.emplace("--csv", options.csv);
+    FrameBenchResult result;
+    {
+        ProgressBar bar;
+        bench.open(options, bar.progress());
+        bounds.settings = bench.given.settings;
+        bounds.camera = bench.camera;
+        bounds.resolution = bench.resolution;
+        result = benchFrames(*bench.device, *bench.scene, bounds, bar.progress());
+    }
+    if (csv) {
+        std::string text = toCsv(result);
+        csv->write({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    }
+    if (options.json) out << dumped(toJson(result));
+    else printForPeople(result, out);
+    return 0;
+}
+
+int runBenchDevices(const BenchOptions& options, std::ostream& out) {
+    Bench bench(options);
+    DeviceBenchOptions bounds;
+    bounds.repetitions = checkedCount("--repetitions", options.repetitions);
+    std::vector<DeviceBenchResult> results;
+    {
+        ProgressBar bar;
+        bench.open(options, bar.progress());
+        bounds.settings = bench.given.settings;
+        bounds.camera = bench.camera;
+        bounds.resolution = bench.resolution;
+        std::unique_ptr<RawBench> raw = makeRawBench(bench.given.settings);
+        results.push_back(benchDevice(*bench.device, raw.get(), bench.scene, bounds, bar.progress()));
+    }
+    const nlohmann::ordered_json json = toJson(results);
+    if (options.json) out << dumped(json);
+    else printForPeople(json, out);
+    return 0;
+}
+
+void addBenchCommand(CLI::App& app, std::function<int()>& run) {
+    auto options = std::make_shared<BenchOptions>();
+    CLI::App* bench = app.add_subcommand("bench", "Measure how fast a scene is rendered");
+    bench->require_subcommand(1);
+    bench->footer("Example: heliograph bench frames courtyard --frames 60");
+
+    CLI::App* frames = bench->add_subcommand("frames", "Frames a second while the camera flies the scene's path");
+    addCommon(*frames, *options);
+    frames->add_option("--frames", options->frames, "Frames to count, after 3 to warm up")->type_name("N")->capture_default_str();
+    frames->add_option("--csv", options->csv, "Also write one line a frame into this file")->type_name("FILE");
+    frames->footer("Every frame has one sample per pixel, as while a viewer moves; without a path the camera rests.\n"
+                   "Examples:\n"
+                   "  heliograph bench frames courtyard\n"
+                   "  heliograph bench frames model.glb --frames 200 --set ambientOcclusion=on --csv frames.csv\n\n" +
+                   settingsHelp());
+    frames->callback([&run, options] { run = [options] { return runBenchFrames(*options, std::cout); }; });
+
+    CLI::App* devices = bench->add_subcommand("devices", "What a device's frames cost beside its bare ray tracing");
+    addCommon(*devices, *options);
+    devices->add_option("--repetitions", options->repetitions, "Times that everything is measured; medians are shown")
+        ->type_name("N")
+        ->capture_default_str();
+    devices->footer("Measures primary and shadow rays, the same with 9 rays of ambient occlusion, and ray by ray instead of\n"
+                    "in packets, in turns. Bare rays: the same rays, traced in packets and not shaded. Core ms: processor\n"
+                    "time of all threads together.\n"
+                    "Example:\n"
+                    "  heliograph bench devices courtyard --size 1280x720 --json");
+    devices->callback([&run, options] { run = [options] { return runBenchDevices(*options, std::cout); }; });
+}
+
+}  // namespace heliograph
