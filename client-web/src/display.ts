@@ -24,8 +24,11 @@ export class Display {
   private readonly afterPaint_ = new MessageChannel();
   private shown_: Omit<Presentation, 'time'>[] = [];
 
-  constructor(canvas: HTMLCanvasElement, hooks: DisplayHooks) {
-    const context = canvas.getContext('bitmaprenderer', { alpha: false });
+  constructor(
+    private readonly canvas_: HTMLCanvasElement,
+    hooks: DisplayHooks,
+  ) {
+    const context = canvas_.getContext('bitmaprenderer', { alpha: false });
     if (context === null) throw new DisplayError('This browser cannot draw decoded pictures on a canvas.');
     this.context_ = context;
     this.queue_ = new FrameQueue<ImageBitmap>({
@@ -64,6 +67,11 @@ export class Display {
   }
 
   private draw(image: ImageBitmap, frame: Frame, decodeMs: number): void {
+    // The canvas keeps its own size and would squeeze the picture into it.
+    if (this.canvas_.width !== image.width || this.canvas_.height !== image.height) {
+      this.canvas_.width = image.width;
+      this.canvas_.height = image.height;
+    }
     this.context_.transferFromImageBitmap(image);
     this.shown_.push({ frame, decodeMs });
     this.afterPaint_.port2.postMessage(null);

@@ -64,9 +64,8 @@ function start(): void {
   const help = new HelpDialog();
   const restore = iconButton('show', 'Show panels', 'F1', 'restore');
   const togglePanels = (): void => {
-    const hidden = page.classList.toggle('bare');
-    (hidden ? canvas : restore).blur();
-    canvas.focus({ preventScroll: true });
+    page.classList.toggle('bare');
+    if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
   };
   restore.addEventListener('click', togglePanels);
   const dock = new Dock(viewer, { statistics, settings }, { help: () => help.toggle(), hide: togglePanels });
@@ -83,7 +82,6 @@ function start(): void {
     KeyO: () => dock.toggleMode(),
     KeyR: () => viewer.resetView(),
   });
-  canvas.focus({ preventScroll: true });
   viewer.connect();
 }
 

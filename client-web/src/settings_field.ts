@@ -6,10 +6,10 @@ import type { SettingRow, SettingValue } from './protocol.js';
 import { fromSlider, SLIDER_STEPS, stepped, toSlider } from './slider_scale.js';
 
 const PRICES: Readonly<Record<string, { readonly tag: string; readonly text: string }>> = {
-  up: { tag: '↑', text: 'Higher is more exact and slower.' },
-  down: { tag: '↓', text: 'Lower is more exact and slower.' },
-  on: { tag: '●', text: 'On is more exact and slower.' },
-  off: { tag: '○', text: 'Off is more exact and slower.' },
+  up: { tag: '↑ exact, slower', text: 'Higher is more exact and slower.' },
+  down: { tag: '↓ exact, slower', text: 'Lower is more exact and slower.' },
+  on: { tag: 'on: exact, slower', text: 'On is more exact and slower.' },
+  off: { tag: 'off: exact, slower', text: 'Off is more exact and slower.' },
 };
 
 export interface FieldHooks {
@@ -43,7 +43,7 @@ export class SettingField {
     this.show_ = built.show;
     this.control_ = built.control;
     this.control_.setAttribute('aria-describedby', `${id}-help ${id}-error`);
-    const head = el('div', { class: 'field-head' }, label, help.button, el('span', { class: 'spacer' }), this.reset_, ...built.inline);
+    const head = el('div', { class: 'field-head' }, label, help.button, help.price, el('span', { class: 'spacer' }), this.reset_, ...built.inline);
     this.element = el('div', { class: `field ${row_.type}`, 'data-setting': row_.name }, head, ...built.below, this.error_, this.note_, help.text);
   }
 
@@ -66,12 +66,12 @@ export class SettingField {
     this.note_.hidden = text === null;
   }
 
-  private help(id: string): { button: HTMLButtonElement; text: HTMLElement } {
+  private help(id: string): { button: HTMLButtonElement; price: HTMLElement | null; text: HTMLElement } {
     const price = PRICES[this.row_.price];
     const button = el(
       'button',
       { type: 'button', class: 'help-button', 'aria-expanded': 'false', 'aria-controls': `${id}-help`, 'aria-label': `About ${this.row_.label}`, title: `${this.row_.help} ${price?.text ?? ''}`.trim() },
-      price === undefined ? '?' : price.tag,
+      icon('help'),
     );
     const text = el('p', { class: 'field-help', id: `${id}-help`, hidden: true }, this.row_.help);
     if (price !== undefined) text.append(' ', el('em', {}, price.text));
@@ -79,7 +79,8 @@ export class SettingField {
       text.hidden = !text.hidden;
       button.setAttribute('aria-expanded', String(!text.hidden));
     });
-    return { button, text };
+    const tag = price === undefined ? null : el('span', { class: 'price', 'aria-hidden': 'true' }, price.tag);
+    return { button, price: tag, text };
   }
 
   private buildSwitch(id: string): Built {
@@ -127,7 +128,8 @@ export class SettingField {
       slider.style.setProperty('--share', String(position / SLIDER_STEPS));
       slider.setAttribute('aria-valuetext', settingNumber(next) + unit);
     };
-    return { control: number, inline: [el('span', { class: 'number' }, number, el('span', { class: 'unit' }, row.unit))], below: [slider], show };
+    const below = el('div', { class: 'number' }, slider, number, el('span', { class: 'unit' }, row.unit));
+    return { control: number, inline: [], below: [below], show };
   }
 }
 

@@ -119,8 +119,8 @@ export class SettingsPanel {
       this.viewer_.setResolutionMode(chosen.mode);
     });
     const label = el('label', { for: 'resolution-mode' }, 'Picture size');
-    const head = el('div', { class: 'field-head' }, label, this.resolution_, el('span', { class: 'spacer' }), select);
-    return el('div', { class: 'field choice', 'data-setting': 'resolution' }, head);
+    const head = el('div', { class: 'field-head' }, label, el('span', { class: 'spacer' }), this.resolution_);
+    return el('div', { class: 'field', 'data-setting': 'resolution' }, head, select);
   }
 
   private resetButton(): HTMLElement {

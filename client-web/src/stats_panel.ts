@@ -25,7 +25,7 @@ const STAGES: readonly { readonly name: string; readonly label: string; readonly
 const RAY_LABELS: Readonly<Record<string, string>> = {
   primary: 'Camera',
   shadow: 'Shadow',
-  ambient_occlusion: 'Ambient occlusion',
+  ambient_occlusion: 'Occlusion',
   reflection: 'Reflection',
   refraction: 'Refraction',
   total: 'Total',

@@ -21,10 +21,10 @@ export class Toasts {
   /** `stay`: until closed by the caller. The same text twice is shown once. */
   show(kind: 'notice' | 'error', text: string, stay = false): Toast {
     const list = kind === 'error' ? this.urgent_ : this.polite_;
-    for (const other of list.children) if (other.firstElementChild?.textContent === text) other.remove();
+    for (const other of list.children) if (other.querySelector('p')?.textContent === text) other.remove();
     while (list.children.length >= MOST) list.firstElementChild?.remove();
     const close = el('button', { type: 'button', class: 'ghost', 'aria-label': 'Close message' }, icon('close'));
-    const toast = el('div', { class: `toast ${kind}` }, el('p', {}, text), close);
+    const toast = el('div', { class: `toast ${kind}` }, icon(kind === 'error' ? 'warning' : 'info'), el('p', {}, text), close);
     close.addEventListener('click', () => toast.remove());
     list.append(toast);
     if (kind === 'notice' && !stay) window.setTimeout(() => toast.remove(), NOTICE_MS);

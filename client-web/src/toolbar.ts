@@ -140,7 +140,7 @@ export class Dock {
       this.path_,
       save.element,
       separator(),
-      this.panelButton('chart', 'Statistics', panels.statistics),
+      this.panelButton('chart', 'Stats', panels.statistics),
       this.panelButton('sliders', 'Settings', panels.settings),
       separator(),
       help,

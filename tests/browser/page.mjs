@@ -1,0 +1,148 @@
+// Starts a server and a browser for the tests, and reports checks one a line.
+
+import { spawn } from 'node:child_process';
+import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { get } from 'node:http';
+import { createRequire } from 'node:module';
+import { createServer } from 'node:net';
+import { tmpdir } from 'node:os';
+import { dirname, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+export const root = join(dirname(fileURLToPath(import.meta.url)), '../..');
+const { chromium } = createRequire(join(root, 'client-web/package.json'))('playwright-core');
+
+export const outFolder = join(root, 'out/browser');
+mkdirSync(outFolder, { recursive: true });
+
+const BROWSER_ARGUMENTS = [
+  '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync',
+];
+
+export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
+
+/** Asks `check` every 50 ms until it is true; throws after `ms` with what was waited for. */
+export async function until(what, ms, check) {
+  const end = Date.now() + ms;
+  for (;;) {
+    const value = await check();
+    if (value) return value;
+    if (Date.now() > end) throw new Error(`waited ${ms} ms for ${what}`);
+    await pause(50);
+  }
+}
+
+export function freePort() {
+  return new Promise((done, failed) => {
+    const probe = createServer();
+    probe.on('error', failed);
+    probe.listen(0, '127.0.0.1', () => {
+      const { port } = probe.address();
+      probe.close(() => done(port));
+    });
+  });
+}
+
+const healthy = (port) =>
+  new Promise((done) => {
+    get({ host: '127.0.0.1', port, path: '/healthz', timeout: 1000 }, (response) => {
+      response.resume();
+      done(response.statusCode === 200);
+    }).on('error', () => done(false));
+  });
+
+/** The server program: HELIOGRAPH_BINARY, a .mjs file is run by node. */
+export class Server {
+  constructor(port, scene) {
+    this.port = port;
+    this.scene = scene;
+    this.binary = resolve(process.env.HELIOGRAPH_BINARY ?? join(root, 'build/release/heliograph'));
+    this.log = '';
+  }
+
+  async start() {
+    const command = this.binary.endsWith('.mjs') ? [process.execPath, this.binary] : [this.binary];
+    const words = [...command.slice(1), 'serve', this.scene, '--listen', `127.0.0.1:${this.port}`];
+    this.process = spawn(command[0], words, { cwd: root, stdio: ['ignore', 'pipe', 'pipe'] });
+    let ended = null;
+    for (const stream of [this.process.stdout, this.process.stderr]) stream.on('data', (data) => (this.log += data));
+    this.process.on('error', (error) => (ended = error.message));
+    this.process.on('exit', (code, signal) => (ended = `ended with ${code ?? signal}`));
+    await until('/healthz', 60_000, async () => {
+      if (ended !== null) throw new Error(`${this.binary}: ${ended}\n${this.log}`);
+      return healthy(this.port);
+    });
+  }
+
+  /** Ends the server as a crash would. */
+  async kill() {
+    const process = this.process;
+    if (process === undefined || process.exitCode !== null || process.signalCode !== null) return;
+    const gone = new Promise((done) => process.once('exit', done));
+    process.kill('SIGKILL');
+    await gone;
+  }
+}
+
+/** A page in a fresh profile. `problems` collects console errors, exceptions and failed requests. */
+export class Browser {
+  problems = [];
+  expectDisconnect = false; // while true, failing to reach the server is no problem
+
+  async start(viewport, options = {}) {
+    this.profile = mkdtempSync(join(tmpdir(), 'heliograph-browser-'));
+    this.context = await chromium.launchPersistentContext(this.profile, {
+      executablePath: process.env.HELIOGRAPH_CHROMIUM ?? '/usr/bin/chromium',
+      headless: true,
+      args: BROWSER_ARGUMENTS,
+      viewport,
+      acceptDownloads: true,
+      ...options,
+    });
+    this.page = this.context.pages()[0] ?? (await this.context.newPage());
+    this.page.on('console', (message) => {
+      if (message.type() === 'error' || message.type() === 'warning') this.problem(`console ${message.type()}: ${message.text()}`);
+    });
+    this.page.on('pageerror', (error) => this.problem(`exception: ${error.message}`));
+    this.page.on('requestfailed', (request) => this.problem(`request failed: ${request.url()}`));
+    return this.page;
+  }
+
+  problem(text) {
+    const disconnect = /ERR_CONNECTION_REFUSED|WebSocket connection to .* failed|ERR_CONNECTION_RESET/.test(text);
+    if (!(this.expectDisconnect && disconnect)) this.problems.push(text);
+  }
+
+  async stop() {
+    await this.context?.close();
+    if (this.profile !== undefined) rmSync(this.profile, { recursive: true, force: true });
+  }
+}
+
+/** Runs checks in order; each prints one line. The last line is the count. */
+export class Checks {
+  passed = 0;
+  failed = 0;
+
+  async check(name, body) {
+    const begin = Date.now();
+    try {
+      await body();
+      this.passed += 1;
+      console.log(`ok      ${name} (${Date.now() - begin} ms)`);
+    } catch (error) {
+      this.failed += 1;
+      console.log(`FAILED  ${name}: ${String(error.message ?? error).split('\n').join('\n        ')}`);
+    }
+  }
+
+  finish() {
+    console.log(`${this.passed} passed, ${this.failed} failed`);
+    process.exitCode = this.failed === 0 && this.passed > 0 ? 0 : 1;
+  }
+}
+
+export function expect(condition, message) {
+  if (!condition) throw new Error(message);
+}
