@@ -55,20 +55,21 @@ uint32_t addWater(SceneBuilder& builder) {
 
 void addViews(SceneBuilder& builder) {
     builder.addCamera(cameraAt("Court", {8.3f, 1.45f, 4.7f}, {-2.6f, 2.9f, -2.6f}, 62.0f));
-    builder.addCamera(cameraAt("Gallery", {-9.2f, 1.65f, 9.2f}, {6.0f, 1.9f, 8.2f}, 60.0f));
-    builder.addCamera(cameraAt("Upper gallery", {-11.9f, 6.6f, -8.6f}, {2.0f, 3.2f, 2.2f}, 62.0f));
-    builder.addCamera(cameraAt("Above the roofs", {15.5f, 15.0f, 14.0f}, {-1.0f, 2.0f, -1.0f}, 50.0f));
+    builder.addCamera(cameraAt("Gallery", {-12.15f, 1.65f, 6.9f}, {-11.2f, 1.95f, -8.0f}, 62.0f));
+    builder.addCamera(cameraAt("Upper gallery", {-11.9f, 6.65f, -5.6f}, {0.5f, 2.4f, 3.6f}, 64.0f));
+    builder.addCamera(cameraAt("From the eaves", {8.7f, 11.2f, 5.8f}, {-3.6f, 2.0f, -2.6f}, 60.0f));
     // In at a gallery, out between two columns, around the fountain, and back.
     builder.addPath(CameraPath{"Walk", 20.0f, true, {
         {{8.4f, 1.4f, 5.4f}, {-3.0f, 3.0f, -3.0f}}, {{5.2f, 1.6f, 3.4f}, {-5.0f, 2.6f, -3.4f}}, {{1.2f, 1.9f, 3.9f}, {-5.5f, 2.6f, -2.0f}},
         {{-3.4f, 2.2f, 3.0f}, {-2.0f, 3.2f, -6.5f}}, {{-5.4f, 2.8f, -0.4f}, {2.5f, 3.4f, -6.5f}}, {{-3.6f, 3.8f, -3.4f}, {5.5f, 3.6f, -3.0f}},
         {{0.6f, 4.6f, -4.2f}, {8.0f, 3.4f, 1.5f}}, {{4.6f, 4.0f, -3.0f}, {5.5f, 2.6f, 7.0f}}, {{6.6f, 2.6f, 0.4f}, {-1.0f, 2.2f, 4.0f}},
         {{8.2f, 1.7f, 3.4f}, {-4.0f, 2.6f, 0.0f}}}});
-    builder.addPath(CameraPath{"Gallery", 14.0f, true, {
-        {{-8.5f, 1.7f, 9.0f}, {0.0f, 1.8f, 9.0f}}, {{-3.0f, 1.6f, 9.1f}, {6.0f, 1.8f, 8.4f}}, {{3.0f, 1.6f, 9.0f}, {11.0f, 1.8f, 7.0f}},
-        {{8.6f, 1.7f, 8.9f}, {10.5f, 1.8f, -2.0f}}, {{12.0f, 1.7f, 7.6f}, {8.0f, 2.0f, -2.0f}}, {{12.0f, 1.7f, 3.0f}, {2.0f, 2.4f, -2.0f}},
-        {{12.0f, 1.7f, 0.0f}, {0.0f, 2.4f, 0.0f}}, {{12.0f, 1.7f, 3.4f}, {4.0f, 2.2f, 7.0f}}, {{12.0f, 1.7f, 7.8f}, {4.0f, 1.9f, 9.2f}},
-        {{8.4f, 1.7f, 9.1f}, {-2.0f, 1.8f, 8.6f}}, {{2.0f, 1.7f, 9.0f}, {-8.0f, 2.2f, 4.0f}}, {{-4.0f, 1.7f, 9.0f}, {-9.0f, 2.2f, 2.0f}}}});
+    builder.addPath(CameraPath{"Gallery", 16.0f, true, {
+        {{-12.1f, 1.7f, 6.0f}, {-11.4f, 1.9f, -4.0f}}, {{-12.1f, 1.7f, 2.0f}, {-10.6f, 1.9f, -7.0f}}, {{-12.1f, 1.7f, -2.0f}, {-8.0f, 2.0f, -9.0f}},
+        {{-12.0f, 1.7f, -6.0f}, {-4.0f, 2.0f, -9.2f}}, {{-10.8f, 1.7f, -8.9f}, {0.0f, 1.9f, -8.0f}}, {{-6.5f, 1.7f, -9.1f}, {3.0f, 2.2f, -5.0f}},
+        {{-2.0f, 1.7f, -9.1f}, {2.0f, 2.4f, 2.0f}}, {{1.0f, 1.7f, -9.1f}, {-3.0f, 2.4f, 3.0f}}, {{-2.0f, 1.7f, -9.0f}, {-9.0f, 2.2f, 0.0f}},
+        {{-6.5f, 1.7f, -9.0f}, {-11.8f, 2.0f, -5.0f}}, {{-10.9f, 1.7f, -8.7f}, {-11.9f, 1.9f, 2.0f}}, {{-12.0f, 1.7f, -5.6f}, {-10.0f, 2.1f, 5.0f}},
+        {{-12.0f, 1.7f, -1.0f}, {-6.0f, 2.4f, 5.0f}}, {{-12.0f, 1.7f, 3.5f}, {-8.0f, 2.3f, -1.0f}}}});
 }
 
 }  // namespace
@@ -83,9 +84,9 @@ void fillCourtyard(SceneBuilder& builder) {
     builder.addInstance(builder.addMesh(writer.take()), mat4(1.0f));
 
     const vec3 toSun = directionOf(50.0f, 124.0f);
-    builder.addLight(sunLight(toSun, {4.6f, 3.8f, 2.75f}));
-    builder.setEnvironmentImage(builder.addImage(paintSky({.toSun = toSun, .zenith = {0.08f, 0.155f, 0.34f}, .horizon = {0.38f, 0.40f, 0.42f},
-                                                           .glow = {0.5f, 0.34f, 0.18f}, .ground = {0.20f, 0.16f, 0.12f}, .cloud = {0.75f, 0.68f, 0.60f}, .clouds = 0.45f, .seed = 5})));
+    builder.addLight(sunLight(toSun, {4.9f, 4.1f, 3.0f}));
+    builder.setEnvironmentImage(builder.addImage(paintSky({.toSun = toSun, .zenith = {0.11f, 0.19f, 0.38f}, .horizon = {0.50f, 0.50f, 0.48f},
+                                                           .glow = {0.5f, 0.34f, 0.18f}, .ground = {0.28f, 0.22f, 0.15f}, .cloud = {0.95f, 0.86f, 0.75f}, .clouds = 0.45f, .seed = 5})));
     builder.setAoRadius(2.5f);
     builder.setExposure(0.0f);
     addViews(builder);

@@ -126,7 +126,7 @@ void addPottedTree(MeshWriter& writer, const Materials& materials, vec3 at, uint
     writer.setTransform(before * placed(crown));
     addSphere(writer, 0.36f, 10, 7);  // the dark inside
     writer.setTransform(before);
-    for (int i = 0; i < 280; ++i) {
+    for (int i = 0; i < 270; ++i) {
         const float z = random.between(-1.0f, 1.0f), angle = random.between(0.0f, 6.2831853f), ring = std::sqrt(1.0f - z * z);
         const vec3 out(ring * std::cos(angle), z, ring * std::sin(angle));
         const vec3 center = crown + out * 0.49f * std::cbrt(random.between(0.40f, 1.0f));
@@ -158,7 +158,7 @@ void addBanner(MeshWriter& writer, const mat4& bay, uint64_t seed) {
     const float front = 0.235f, top = UPPER_FLOOR + 1.005f;
     writer.setTransform(bay);
     // Over the rail from the gallery's side, then down the front; the folds grow towards the free hem.
-    addSurface(writer, 12, 20, {2.0f * half, 3.1f}, [=](float u, float v) {
+    addSurface(writer, 12, 16, {2.0f * half, 3.1f}, [=](float u, float v) {
         const float x = (2.0f * u - 1.0f) * half, s = (1.0f - v) * 3.1f;  // s: metres from the gallery's hem, v = 1
         float y, z;
         const float back = 0.45f, over = back + 2.0f * front;

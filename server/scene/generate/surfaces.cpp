@@ -82,9 +82,9 @@ SurfaceImages paintLimestone(const std::string& name, vec3 color, uint32_t seed)
     return paintSurface(name, 512, 1.0f, [=](vec2 uv) {
         const float broad = fractalNoise(uv * 4.0f, 4, 5, seed), grain = fractalNoise(uv * 64.0f, 64, 2, seed + 7);
         const float bed = fractalNoise(vec2(uv.x * 3.0f, uv.y * 12.0f), 12, 3, seed + 13);  // faint horizontal bedding
-        const float pit = stepBetween(0.70f, 0.80f, fractalNoise(uv * 24.0f, 24, 2, seed + 19));
-        const float tone = 0.88f + 0.16f * broad + 0.06f * (bed - 0.5f) + 0.07f * (grain - 0.5f) - 0.10f * pit;
-        return SurfacePoint{color * tone, 0.0012f * broad + 0.0006f * grain - 0.0014f * pit};
+        const float pit = stepBetween(0.72f, 0.84f, fractalNoise(uv * 40.0f, 40, 2, seed + 19));
+        const float tone = 0.88f + 0.16f * broad + 0.06f * (bed - 0.5f) + 0.07f * (grain - 0.5f) - 0.06f * pit;
+        return SurfacePoint{color * tone, 0.0012f * broad + 0.0006f * grain - 0.0010f * pit};
     });
 }
 
