@@ -1,4 +1,4 @@
-// What the viewer waits for: a lost connection, a scene that loads, a benchmark path that plays, and how that ended.
+// What the viewer waits for: a lost connection, a scene that loads; and how a benchmark path ended.
 
 import { el, icon, setText } from './dom.js';
 import { compact } from './format.js';
@@ -35,8 +35,7 @@ export class Banner {
     if (connection.name !== 'open') return this.connection();
     if (scene?.state === 'loading') return this.loading(displayName(scene.name), scene.what, scene.share);
     if (scene === null) return this.show('Connected', 'waiting for the scene', null);
-    if (pathPlaying) return this.show('Benchmark path', 'The camera flies by itself.', null, 'Stop (F2)', () => this.viewer_.togglePath());
-    if (pathResult !== null && pathResult !== this.closedResult_) return this.result(pathResult);
+    if (!pathPlaying && pathResult !== null && pathResult !== this.closedResult_) return this.result(pathResult);
     this.element.hidden = true;
   }
 

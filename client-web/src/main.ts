@@ -31,6 +31,11 @@ function attachMessages(viewer: Viewer, toasts: Toasts, announce: (text: string)
   viewer.onPicture = (frame) => {
     toasts.show('notice', `Saved ${saveToDisk(frame, viewer.state.readyName)}`);
   };
+  let playing = false;
+  viewer.on(['path'], () => {
+    if (viewer.state.pathPlaying && !playing) toasts.show('notice', 'The benchmark path plays. F2 or Stop ends it.');
+    playing = viewer.state.pathPlaying;
+  });
   let announced = '';
   viewer.on(['scene'], () => {
     const { scene, readyName, ready } = viewer.state;

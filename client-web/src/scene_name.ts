@@ -11,3 +11,6 @@ export function fileName(scene: string, width: number, height: number, samples: 
   const base = displayName(scene).replace(/\.[a-z]+$/i, '').toLowerCase().replace(/[^a-z0-9_-]+/g, '-');
   return `heliograph-${base || 'picture'}-${width}x${height}-${samples}spp.${extension}`;
 }
+
+/** `ambientOcclusion` as "ambient occlusion". */
+export const spacedWords = (name: string): string => name.replace(/([a-z])([A-Z])/g, (_, a: string, b: string) => `${a} ${b.toLowerCase()}`);

@@ -4,7 +4,7 @@ import { el, icon, iconButton, setText, uniqueId } from './dom.js';
 import { count, whole } from './format.js';
 import { Menu, type MenuItem } from './menu.js';
 import type { Panel } from './panel.js';
-import { displayName } from './scene_name.js';
+import { displayName, spacedWords } from './scene_name.js';
 import type { Viewer } from './viewer.js';
 
 /** Scene, viewpoint and what there is to know of the scene. */
@@ -97,7 +97,7 @@ class InfoPopover {
       ['Triangles', whole(ready.triangles)],
       ['Instances', count(ready.instances)],
       ['Lights', count(ready.lights)],
-      ['Effects', ready.effects.filter((effect) => effect.calledFor).map((effect) => effect.name).join(', ') || 'none'],
+      ['Effects', ready.effects.filter((effect) => effect.calledFor).map((effect) => spacedWords(effect.name)).join(', ') || 'none'],
     ];
     const list = el('dl', { class: 'facts' });
     for (const [label, value] of facts) list.append(el('dt', {}, label), el('dd', {}, value));
