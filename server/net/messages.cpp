@@ -64,19 +64,16 @@ std::string settingsMessage(const json& values, std::optional<uint32_t> inputId)
 }
 
 std::string statsMessage(const ViewerStats& s) {
-    json rays = {{"primary", s.rays[RayKind::primary]}, {"shadow", s.rays[RayKind::shadow]},
-                 {"ambient_occlusion", s.rays[RayKind::ambientOcclusion]}, {"reflection", s.rays[RayKind::reflection]},
-                 {"refraction", s.rays[RayKind::refraction]}, {"total", s.rays.total()}};
     json ms = {{"render", finite(s.ms.render)}, {"develop", finite(s.ms.develop)}, {"encode", finite(s.ms.encode)},
                {"queue", finite(s.ms.queue)}, {"send", finite(s.ms.send)}};
     return text({{"type", "stats"}, {"device", s.device}, {"framesPerSecond", finite(s.framesPerSecond)},
                  {"samples", s.samples}, {"targetSamples", s.targetSamples}, {"relativeError", finite(s.relativeError)},
-                 {"rays", rays}, {"mraysPerSecond", finite(s.mraysPerSecond)}, {"ms", ms},
+                 {"rays", toJson(s.rays)}, {"mraysPerSecond", finite(s.mraysPerSecond)}, {"ms", ms},
                  {"overheadShare", finite(s.overheadShare)}, {"deviceShare", finite(s.deviceShare)}, {"tiles", s.tiles},
                  {"viewers", s.viewers}, {"residentBytes", s.residentBytes}, {"nonfiniteSamples", s.nonfiniteSamples}});
 }
 
-std::string pathMessage(bool playing, const std::optional<PathResult>& result) {
+std::string pathMessage(bool playing, const std::optional<FrameSummary>& result) {
     json message = {{"type", "path"}, {"playing", playing}};
     if (result) {
         message["result"] = {{"frames", result->frames}, {"msMean", finite(result->msMean)},

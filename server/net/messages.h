@@ -35,7 +35,7 @@ std::string sceneFailedMessage(const std::string& name, const std::string& why);
 /// `inputId` names the message that this answers, if any.
 std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);
 std::string statsMessage(const ViewerStats& stats);
-std::string pathMessage(bool playing, const std::optional<PathResult>& result);
+std::string pathMessage(bool playing, const std::optional<FrameSummary>& result);
 std::string noticeMessage(const std::string& text);
 std::string errorMessage(const std::string& text, const std::string& about, std::optional<uint32_t> inputId);
 std::string pongMessage(double time);

@@ -38,9 +38,10 @@ void FrameLoop::show(const ViewRequest& request) {
     changed_.notify_all();
 }
 
-void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene) {
+void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene, const std::optional<ViewRequest>& request) {
     {
         std::lock_guard lock(mutex_);
+        if (request) newest_ = request;
         newScene_ = std::move(scene);
         sceneChanged_ = true;
         retry_ = true;
@@ -103,8 +104,8 @@ void FrameLoop::run(std::stop_token stop) {
 
 uint64_t FrameLoop::takeNews() {
     std::unique_lock lock(mutex_);
-    if (sceneChanged_) {
-        sceneChanged_ = false;
+    const bool sceneChanged = std::exchange(sceneChanged_, false);
+    if (sceneChanged) {
         resident_ = std::move(newScene_);
         newScene_.reset();
         sceneEffects_ = resident_ ? effectsOf(*resident_->scene) : EffectSet{};
@@ -123,9 +124,12 @@ uint64_t FrameLoop::takeNews() {
     uint64_t seen = news_;
     lock.unlock();
 
-    if (run_ && (!resident_ || (playing && !*playing))) endRun();
-    bool hasPath = resident_ && !resident_->scene->paths.empty();
-    if (playing && *playing && hasPath && !run_) run_ = Run{PathRun(resident_->scene->paths.front()), Clock::now()};
+    if (run_ && sceneChanged) endRun();
+    if (playing) {
+        bool hasPath = resident_ && !resident_->scene->paths.empty();
+        if (!*playing || !hasPath) endRun();
+        else if (!run_) run_ = Run{PathRun(resident_->scene->paths.front()), Clock::now()};
+    }
     return seen;
 }
 
@@ -151,7 +155,7 @@ void FrameLoop::followPath() {
 }
 
 void FrameLoop::endRun() {
-    PathResult result = run_->path.result();
+    FrameSummary result = run_ ? run_->path.result() : FrameSummary{};
     run_.reset();
     receiver_.pathEnded(result);
 }

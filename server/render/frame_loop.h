@@ -64,7 +64,8 @@ public:
     virtual Readiness readiness() = 0;
     /// Pictures are not subject to credit, only to `busy`.
     virtual void take(FinishedFrame&& frame) = 0;
-    virtual void pathEnded(const PathResult& result) = 0;
+    /// A run along the path is over, or was asked to end before it began (no frames then).
+    virtual void pathEnded(const FrameSummary& result) = 0;
     /// The device failed; the loop rests until the next wish or scene.
     virtual void failed(const std::string& what) = 0;
 };
@@ -77,9 +78,10 @@ public:
 
     /// The newest wish replaces the one before; may cancel the pass in flight.
     void show(const ViewRequest& request);
-    /// Renders this scene from now on; null stops rendering.
-    void setScene(std::shared_ptr<ResidentScene> scene);
-    /// Starts a run along the scene's first path, or ends the one in progress. Without a path nothing happens.
+    /// Renders this scene from now on; null stops rendering. `request` comes into force with it, so that nobody sees the
+    /// new scene through the old one's camera.
+    void setScene(std::shared_ptr<ResidentScene> scene, const std::optional<ViewRequest>& request = std::nullopt);
+    /// Starts a run along the scene's first path, or ends the one in progress. Without a path it ends at once.
     void playPath(bool playing);
     /// Makes a picture of the newest wish at full resolution, with as many samples as its film has by now (at least 1).
     void takePicture();
@@ -87,6 +89,8 @@ public:
     void wake();
     /// Asks the loop to end, without waiting.
     void stop();
+    /// Seconds that this loop and that all loops have used the device.
+    Turns::Used used() const { return turns_.used(account_); }
 
 private:
     using Clock = std::chrono::steady_clock;

@@ -2,18 +2,12 @@
 // A flight along a camera path in real time, and how smooth it was.
 
 #include "server/render/camera.h"
+#include "server/render/stats.h"
 
 #include <optional>
 #include <vector>
 
 namespace heliograph {
-
-/// Frame times of a run: from the end of one frame to the end of the next.
-struct PathResult {
-    uint32_t frames = 0;
-    double msMean = 0.0, msMedian = 0.0, msP95 = 0.0;  // milliseconds
-    double fpsMean = 0.0, fpsMin = 0.0;                // fpsMin: of the longest frame
-};
 
 class PathRun {
 public:
@@ -23,7 +17,8 @@ public:
     std::optional<Camera> cameraAt(double seconds, float fieldOfView) const;
     /// A frame was finished `seconds` after the start.
     void frameDone(double seconds);
-    PathResult result() const;
+    /// Frame times of the run so far: from the end of one frame to the end of the next.
+    FrameSummary result() const;
 
 private:
     CameraPath path_;

@@ -1,0 +1,162 @@
+#include "server/app/scene_cache.h"
+
+#include "server/base/clock.h"
+#include "server/base/error.h"
+#include "server/base/log.h"
+
+#include <algorithm>
+
+namespace heliograph {
+
+namespace {
+
+/// Thrown from progress reports when nobody waits for the scene any more.
+struct Abandoned {};
+
+constexpr double OPENING_SHARE = 0.7;  // of the progress; the rest is the device's
+
+}  // namespace
+
+SceneCache::SceneCache(Opener opener, DeviceFactory makeDevice, Settings settings, size_t keep, size_t most)
+    : opener_(std::move(opener)), makeDevice_(std::move(makeDevice)), settings_(settings), keep_(keep), most_(most) {
+    thread_ = std::thread([this] { run(); });
+}
+
+SceneCache::~SceneCache() {
+    stop();
+    thread_.join();
+}
+
+void SceneCache::stop() {
+    {
+        std::lock_guard lock(mutex_);
+        stopped_ = true;
+    }
+    changed_.notify_all();
+}
+
+std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener listener) {
+    auto ticket = std::make_shared<Ticket>(Ticket{std::move(listener)});
+    std::shared_ptr<ResidentScene> resident;
+    {
+        std::lock_guard lock(mutex_);
+        auto found = std::find_if(residents_.begin(), residents_.end(), [&](const Resident& r) { return r.name == name; });
+        auto loading = std::find_if(loads_.begin(), loads_.end(), [&](const Load& l) { return l.name == name; });
+        if (found != residents_.end()) {
+            found->lastUse = ++uses_;
+            resident = found->scene;
+        } else if (loading != loads_.end()) {
+            loading->tickets.push_back(ticket);
+        } else {
+            auto inUse = static_cast<size_t>(std::count_if(residents_.begin(), residents_.end(), [](const Resident& r) { return r.scene.use_count() > 1; }));
+            if (inUse + loads_.size() >= most_) {
+                throw InputError("scene.name", "viewers already look at " + std::to_string(inUse) + " other scenes", "one of theirs, or later");
+            }
+            loads_.push_back({name, {ticket}});
+        }
+    }
+    if (resident) ticket->listener.ready(resident);
+    else changed_.notify_all();
+    return ticket;
+}
+
+size_t SceneCache::residentCount() const {
+    std::lock_guard lock(mutex_);
+    return residents_.size();
+}
+
+void SceneCache::run() {
+    for (;;) {
+        std::string name;
+        {
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, [&] { return stopped_ || !loads_.empty(); });
+            if (stopped_) return;
+            name = loads_.front().name;
+        }
+        load(name);
+    }
+}
+
+/// Loads the first scene of the queue and tells everybody who waits for it.
+void SceneCache::load(const std::string& name) {
+    std::shared_ptr<ResidentScene> scene;
+    std::string failure;
+    std::exception_ptr error;
+    StopWatch watch;
+    try {
+        scene = make(name);
+        log().info("{}: {} triangles, ready after {:.2f} s", name, scene->scene->triangleCount(), watch.seconds());
+    } catch (const Abandoned&) {
+        log().info("{}: loading given up, nobody waits for it", name);
+    } catch (const std::bad_alloc&) {
+        failure = name + ": too large for this machine's memory";
+        error = std::current_exception();
+    } catch (const std::exception& e) {
+        failure = e.what();
+        error = std::current_exception();
+    }
+    std::vector<std::shared_ptr<Ticket>> tickets;
+    {
+        std::lock_guard lock(mutex_);
+        tickets = waiting();
+        // Somebody may have come while the load was being given up.
+        if (!scene && failure.empty() && !tickets.empty() && !stopped_) return;
+        loads_.pop_front();
+        if (scene) residents_.push_back({name, scene, ++uses_});
+    }
+    for (const auto& ticket : tickets) {
+        if (scene) ticket->listener.ready(scene);
+        else if (!failure.empty()) ticket->listener.failed(failure, error);
+    }
+    tickets.clear();
+    if (scene) forgetOldest();
+}
+
+/// Lets go of the scenes that were not looked at for longest.
+void SceneCache::forgetOldest() {
+    std::vector<Resident> dropped;  // destroyed after the lock: that takes long
+    std::lock_guard lock(mutex_);
+    while (residents_.size() > keep_) {
+        auto oldest = residents_.end();
+        for (auto r = residents_.begin(); r != residents_.end(); ++r) {
+            bool idle = r->scene.use_count() == 1;
+            if (idle && (oldest == residents_.end() || r->lastUse < oldest->lastUse)) oldest = r;
+        }
+        if (oldest == residents_.end()) break;
+        dropped.push_back(std::move(*oldest));
+        residents_.erase(oldest);
+    }
+}
+
+std::shared_ptr<ResidentScene> SceneCache::make(const std::string& name) {
+    progress("Opening " + name, 0.0);
+    auto resident = std::make_shared<ResidentScene>();
+    resident->scene = opener_(name, [&](const std::string& what, double share) { progress(what, OPENING_SHARE * share); });
+    resident->device = makeDevice_();
+    resident->device->load(resident->scene, settings_, [&](const std::string& what, double share) {
+        progress(what, OPENING_SHARE + (1.0 - OPENING_SHARE) * share);
+    });
+    return resident;
+}
+
+std::vector<std::shared_ptr<SceneCache::Ticket>> SceneCache::waiting() const {
+    std::vector<std::shared_ptr<Ticket>> tickets;
+    for (const auto& weak : loads_.front().tickets) {
+        if (auto ticket = weak.lock()) tickets.push_back(std::move(ticket));
+    }
+    return tickets;
+}
+
+void SceneCache::progress(const std::string& what, double share) {
+    std::vector<std::shared_ptr<Ticket>> tickets;
+    {
+        std::lock_guard lock(mutex_);
+        if (stopped_) throw Abandoned();
+        tickets = waiting();
+    }
+    if (tickets.empty()) throw Abandoned();
+    for (const auto& ticket : tickets) ticket->listener.progress(what, share);
+}
+
+}  // namespace heliograph

@@ -1,0 +1,53 @@
+#pragma once
+// The scenes that the server holds ready, each on a device of its own. Loading happens on one thread in the background, so
+// viewers of other scenes are not disturbed; a load that nobody waits for any more is given up.
+
+#include "server/net/session.h"
+
+namespace heliograph {
+
+class SceneCache {
+public:
+    using Opener = std::function<std::shared_ptr<const Scene>(const std::string& name, const Progress& progress)>;
+    using DeviceFactory = std::function<std::unique_ptr<Device>()>;
+
+    /// `settings` for the devices' load. At most `keep` scenes stay where they are not looked at; with `most` in use or on
+    /// their way a further one is refused.
+    SceneCache(Opener opener, DeviceFactory makeDevice, Settings settings, size_t keep = 3, size_t most = 8);
+    /// Gives up the load in progress, at its next report of progress.
+    ~SceneCache();
+
+    /// Calls the listener at once if the scene is resident, else later from the loading thread. The load is given up when
+    /// all its tickets are gone. Throws InputError when `most` scenes are in use.
+    std::shared_ptr<void> open(const std::string& name, SceneListener listener);
+    size_t residentCount() const;
+    /// Gives up the load in progress and takes no more.
+    void stop();
+
+private:
+    struct Ticket { SceneListener listener; };
+    struct Load { std::string name; std::vector<std::weak_ptr<Ticket>> tickets; };
+    struct Resident { std::string name; std::shared_ptr<ResidentScene> scene; uint64_t lastUse = 0; };
+
+    void run();
+    void load(const std::string& name);
+    std::shared_ptr<ResidentScene> make(const std::string& name);
+    void forgetOldest();
+    void progress(const std::string& what, double share);
+    std::vector<std::shared_ptr<Ticket>> waiting() const;
+
+    const Opener opener_;
+    const DeviceFactory makeDevice_;
+    const Settings settings_;
+    const size_t keep_, most_;
+
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::vector<Resident> residents_;
+    std::deque<Load> loads_;  // the first one is in progress
+    uint64_t uses_ = 0;
+    bool stopped_ = false;
+    std::thread thread_;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,116 @@
+#include "server/app/service.h"
+
+#include "server/base/log.h"
+#include "server/base/machine.h"
+
+#include <algorithm>
+
+namespace heliograph {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+// A film takes 32 bytes a pixel and a viewer has two of them: 6 GiB for three viewers at 7680x4320.
+constexpr uint64_t PIXEL_LIMIT = 3 * MAX_PIXELS;  // of all viewers together
+constexpr auto TICK = 100ms;
+
+}  // namespace
+
+Service::Service(ServiceOptions options)
+    : options_(std::move(options)),
+      cache_(options_.openScene, options_.makeDevice, options_.defaults),
+      socket_(options_.socket, *this),
+      attendant_([this](std::stop_token stop) { attend(stop); }) {}
+
+Service::~Service() {
+    cache_.stop();
+    {
+        std::lock_guard lock(mutex_);
+        for (const auto& session : sessions_) session->end();
+    }
+    socket_.stop();
+    attendant_.request_stop();
+    attendant_.join();
+}
+
+void Service::start(std::function<void(std::exception_ptr failure)> done) {
+    SceneListener listener;
+    listener.progress = [](const std::string& what, double share) { log().debug("{} ({:.0f} %)", what, 100.0 * share); };
+    listener.ready = [done](std::shared_ptr<ResidentScene>) { done(nullptr); };
+    listener.failed = [done](const std::string&, std::exception_ptr error) { done(error); };
+    firstScene_ = cache_.open(options_.scenes.front().name, std::move(listener));
+    socket_.start();
+}
+
+std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {
+    return cache_.open(name, std::move(listener));
+}
+
+bool Service::grantPixels(uint32_t viewer, uint64_t pixels) {
+    std::lock_guard lock(mutex_);
+    uint64_t others = 0;
+    for (const auto& [other, count] : pixels_) others += other == viewer ? 0 : count;
+    if (others + pixels > PIXEL_LIMIT) return false;
+    pixels_[viewer] = pixels;
+    return true;
+}
+
+size_t Service::viewerCount() const {
+    std::lock_guard lock(mutex_);
+    return sessions_.size();
+}
+
+std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket, bool authorized) {
+    Session::Options options{options_.defaults, options_.socket.token, authorized};
+    std::shared_ptr<Session> session;
+    {
+        std::lock_guard lock(mutex_);
+        session = std::make_shared<Session>(++lastViewer_, *this, std::move(socket), std::move(options));
+        sessions_.push_back(session);
+    }
+    log().info("viewer {}: connected", session->viewer());
+    session->begin();
+    return session;
+}
+
+void Service::closed(std::shared_ptr<ViewerPeer> peer) {
+    auto session = std::static_pointer_cast<Session>(std::move(peer));
+    session->end();
+    log().info("viewer {}: gone", session->viewer());
+    {
+        std::lock_guard lock(mutex_);
+        std::erase(sessions_, session);
+        pixels_.erase(session->viewer());
+        ended_.push_back(std::move(session));
+    }
+    changed_.notify_all();
+}
+
+void Service::refused(const std::string& why) {
+    metrics_.connectionsRefused++;
+    log().debug("connection refused: {}", why);
+}
+
+std::string Service::metricsText() {
+    return metrics_.text(viewerCount(), cache_.residentCount(), residentBytes());
+}
+
+/// Statistics and time limits of all viewers, and the end of those who have gone.
+void Service::attend(std::stop_token stop) {
+    while (true) {
+        std::vector<std::shared_ptr<Session>> ended, sessions;
+        {
+            std::unique_lock lock(mutex_);
+            changed_.wait_for(lock, stop, TICK, [&] { return !ended_.empty(); });
+            ended.swap(ended_);
+            sessions = sessions_;
+        }
+        if (stop.stop_requested() && ended.empty()) return;
+        ended.clear();
+        auto now = std::chrono::steady_clock::now();
+        for (const auto& session : sessions) session->tick(now);
+    }
+}
+
+}  // namespace heliograph

@@ -1,0 +1,63 @@
+#pragma once
+// The server put together: scenes, viewers and the port.
+
+#include "server/app/scene_cache.h"
+#include "server/net/socket_server.h"
+
+namespace heliograph {
+
+struct ServiceOptions {
+    SocketOptions socket;
+    std::vector<SceneRecipe> scenes;  // on offer; the first is where viewers start
+    SceneCache::Opener openScene;
+    SceneCache::DeviceFactory makeDevice;
+    Settings defaults;                // of every viewer
+};
+
+class Service : private SessionHost, private SocketHandler {
+public:
+    /// Binds the port. Throws InputError.
+    explicit Service(ServiceOptions options);
+    /// Ends everything: viewers are told, passes in flight end at the next tile.
+    ~Service();
+
+    /// Begins to serve and to load the first scene. `done` is called once from another thread, with why it failed or null.
+    void start(std::function<void(std::exception_ptr failure)> done);
+    std::string url() const { return socket_.url(); }
+    int port() const { return socket_.port(); }
+
+private:
+    // SessionHost
+    std::vector<SceneRecipe> scenes() const override { return options_.scenes; }
+    std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
+    bool grantPixels(uint32_t viewer, uint64_t pixels) override;
+    size_t viewerCount() const override;
+    Turns& turns() override { return turns_; }
+    Metrics& metrics() override { return metrics_; }
+    // SocketHandler
+    std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) override;
+    void closed(std::shared_ptr<ViewerPeer> peer) override;
+    void refused(const std::string& why) override;
+    std::string metricsText() override;
+    bool ready() override { return cache_.residentCount() > 0; }
+
+    void attend(std::stop_token stop);
+
+    const ServiceOptions options_;
+    Turns turns_;
+    Metrics metrics_;
+    SceneCache cache_;
+    std::shared_ptr<void> firstScene_;  // ticket
+
+    mutable std::mutex mutex_;
+    std::condition_variable_any changed_;
+    std::vector<std::shared_ptr<Session>> sessions_;
+    std::vector<std::shared_ptr<Session>> ended_;  // to be destroyed by the attendant, which may wait for their threads
+    std::map<uint32_t, uint64_t> pixels_;          // granted, by viewer
+    uint32_t lastViewer_ = 0;
+
+    SocketServer socket_;
+    std::jthread attendant_;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,29 @@
+#pragma once
+// Which pages may open a connection. A browser tells the page's origin; without this check any page on the web could look
+// through a server that only this machine can reach.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace heliograph {
+
+/// An address to listen on: host without brackets, and port.
+struct ListenAddress {
+    std::string host = "127.0.0.1";
+    int port = 8080;  // 0: any free one
+};
+
+/// Reads "127.0.0.1:8080", "[::1]:8080", "localhost:8080", ":8080" (this machine) or "8080". Throws InputError.
+ListenAddress parseListenAddress(const std::string& text);
+
+/// The host is reached from this machine alone.
+bool isLoopback(std::string_view host);
+
+/// `origin` and `host` are the request's headers, empty where they lack. A request without origin comes from no page and
+/// passes. Else the origin has to be in `allowed` or name the same host and port as `host`. With `loopbackOnly` the host
+/// header has to be a name of this machine too: a foreign name that was made to resolve to 127.0.0.1 is refused.
+bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed,
+                   bool loopbackOnly);
+
+}  // namespace heliograph

@@ -1,0 +1,119 @@
+#pragma once
+// One viewer: newest request in, newest frame out. It checks what the viewer asks, keeps the viewer's camera, settings and
+// credit, and stands between the socket, the render loop and the publisher. A fault of a viewer is answered to that viewer
+// alone.
+
+#include "server/net/messages.h"
+#include "server/net/metrics.h"
+#include "server/net/publisher.h"
+#include "server/net/stats_window.h"
+#include "server/net/viewer_socket.h"
+
+#include <deque>
+
+namespace heliograph {
+
+/// How the opening of a scene tells a session about itself; from any thread.
+struct SceneListener {
+    std::function<void(const std::string& what, double share)> progress;
+    std::function<void(std::shared_ptr<ResidentScene>)> ready;
+    std::function<void(const std::string& why, std::exception_ptr error)> failed;
+};
+
+/// What all sessions share. Safe from all threads; never called with a session's lock held.
+class SessionHost {
+public:
+    virtual ~SessionHost() = default;
+    /// The scenes on offer; the first is where a viewer starts.
+    virtual std::vector<SceneRecipe> scenes() const = 0;
+    /// Opens one of them in the background. After the returned ticket is gone the listener is not called any more (a call
+    /// in progress may still end). Throws InputError when no further scene fits.
+    virtual std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) = 0;
+    /// Grants a viewer that many pixels of film instead of what it had before. False: memory set aside for films is used up.
+    virtual bool grantPixels(uint32_t viewer, uint64_t pixels) = 0;
+    virtual size_t viewerCount() const = 0;
+    virtual Turns& turns() = 0;
+    virtual Metrics& metrics() = 0;
+};
+
+class Session : public ViewerPeer, public std::enable_shared_from_this<Session>, private FrameReceiver {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    struct Options {
+        Settings defaults;
+        std::string token;        // empty: none is asked for
+        bool authorized = false;  // the token came with the connection
+    };
+
+    Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocket> socket, Options options);
+    /// Waits for the threads of the viewer.
+    ~Session();
+
+    /// Greets the viewer and opens the first scene, unless a token has to come first.
+    void begin();
+    void receive(std::string_view text) override;
+    void written(FrameKind kind, double waitSeconds, double writeSeconds) override;
+    /// To be called some times a second: statistics, limits of time.
+    void tick(Clock::time_point now);
+    /// The viewer has gone: ends all work without waiting.
+    void end();
+
+    uint32_t viewer() const { return viewer_; }
+
+private:
+    struct Flight { uint32_t frameId; Clock::time_point since; };
+
+    Readiness readiness() override;
+    void take(FinishedFrame&& frame) override;
+    void pathEnded(const FrameSummary& result) override;
+    void failed(const std::string& what) override;
+
+    void handle(const CameraMessage& message);
+    void handle(const SettingsMessage& message);
+    void handle(const ResolutionMessage& message);
+    void handle(const SceneMessage& message);
+    void handle(const AckMessage& message);
+    void handle(const PictureMessage& message);
+    void handle(const PathMessage& message);
+    void handle(const PingMessage& message);
+    void handle(const TokenMessage& message);
+
+    void welcome();
+    void openScene(const std::string& name);
+    void sceneProgress(uint64_t order, const std::string& what, double share);
+    void sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene);
+    void sceneFailed(uint64_t order, const std::string& why);
+    void published(uint32_t frameId, std::optional<Published> result, const std::string& failure);
+    void landed(uint32_t frameId);
+    void showLocked();
+
+    const uint32_t viewer_;
+    SessionHost& host_;
+    const std::shared_ptr<ViewerSocket> socket_;
+    const Options options_;
+    const Clock::time_point opened_ = Clock::now();
+
+    std::mutex mutex_;  // of all below; held while calling socket_ and loop_, never while calling host_
+    bool authorized_ = false;
+    bool ended_ = false;
+    ViewRequest request_;
+    std::shared_ptr<ResidentScene> scene_;
+    std::string sceneName_;               // of scene_
+    uint64_t sceneOrder_ = 0;             // the newest one
+    std::string orderedName_;             // its scene
+    std::shared_ptr<void> sceneTicket_;
+    Clock::time_point progressAt_{};
+    std::optional<PictureFormat> picture_;  // asked for and not yet sent
+    std::deque<Flight> flights_;          // frames on their way
+    uint32_t lastFrameId_ = 0;
+    bool playing_ = false;
+    std::string lastFailure_;
+    StatsWindow stats_;
+    Clock::time_point statsAt_{};
+
+    Publisher publisher_;
+    FrameLoop loop_;  // ends first
+};
+
+}  // namespace heliograph

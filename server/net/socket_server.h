@@ -1,0 +1,58 @@
+#pragma once
+// The one port of the server, by libwebsockets: the client's files, /healthz, /readyz and /metrics over HTTP/1.1, viewers
+// over WebSocket on /ws. One thread serves all connections; other threads only wake it (lws_cancel_service).
+
+#include "server/net/client_files.h"
+#include "server/net/origin.h"
+#include "server/net/viewer_socket.h"
+
+#include <memory>
+
+namespace heliograph {
+
+struct SocketOptions {
+    ListenAddress listen;
+    std::string certificateFile;              // PEM; with keyFile: TLS
+    std::string keyFile;
+    std::string token;                        // empty: none is asked for
+    std::vector<std::string> allowedOrigins;  // beside the server's own, as "https://example.org"
+    size_t maxViewers = 32;
+    ClientFiles files;
+};
+
+/// What the server does with viewers. Called from the socket's thread; must not block.
+class SocketHandler {
+public:
+    virtual ~SocketHandler() = default;
+    /// A viewer connected. `authorized`: it brought the token as `Authorization: Bearer`.
+    virtual std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) = 0;
+    /// It has gone; its socket takes nothing any more.
+    virtual void closed(std::shared_ptr<ViewerPeer> peer) = 0;
+    /// A connection was turned away.
+    virtual void refused(const std::string& why) = 0;
+    virtual std::string metricsText() = 0;
+    /// A scene can be shown.
+    virtual bool ready() = 0;
+};
+
+class SocketServer {
+public:
+    /// Binds the port. Throws InputError if it is taken or a certificate does not fit.
+    SocketServer(SocketOptions options, SocketHandler& handler);
+    ~SocketServer();
+
+    /// The port in use.
+    int port() const;
+    /// "http://127.0.0.1:8080"
+    std::string url() const;
+    /// Begins to serve, on a thread of its own.
+    void start();
+    /// Says goodbye to the viewers and ends within some 0.2 s.
+    void stop();
+
+private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,53 @@
+#include "server/net/stats_window.h"
+
+namespace heliograph {
+
+void StatsWindow::framePublished(const Published& frame) {
+    frames_++;
+    passes_ += frame.figures.passes;
+    render_ += frame.figures.renderSeconds;
+    rays_ += frame.figures.rays.total();
+    develop_ += frame.costs.developSeconds;
+    encode_ += frame.costs.encodeSeconds;
+    queue_ += 1e-6 * frame.header.inputMicros;
+    last_.samples = frame.header.samples;
+    last_.targetSamples = frame.targetSamples;
+    last_.relativeError = frame.costs.relativeError;
+    if (frame.figures.passes > 0) last_.rays = frame.figures.lastRays;
+    for (const auto& [device, count] : frame.figures.tiles) last_.tiles[device] += count;
+    last_.nonfiniteSamples += frame.figures.nonfiniteSamples;
+}
+
+void StatsWindow::frameWritten(double waitSeconds, double writeSeconds) {
+    sent_++;
+    write_ += writeSeconds;
+    send_ += waitSeconds;
+}
+
+ViewerStats StatsWindow::take(double seconds, Turns::Used used) {
+    last_.framesPerSecond = seconds > 0.0 ? frames_ / seconds : 0.0;
+    double all = used.all - usedBefore_.all;
+    last_.deviceShare = all > 0.0 ? (used.own - usedBefore_.own) / all : 0.0;
+    usedBefore_ = used;
+    if (frames_ > 0) {
+        const double ms = 1000.0 / frames_;
+        // Of one pass: a frame at rest may hold many.
+        if (passes_ > 0) last_.ms.render = 1000.0 * render_ / passes_;
+        last_.ms.develop = ms * develop_;
+        last_.ms.encode = ms * encode_;
+        last_.ms.queue = ms * queue_;
+        if (sent_ > 0) last_.ms.send = 1000.0 * send_ / sent_;
+        // Waiting in the socket's queue costs nobody's time; writing does.
+        double overhead = develop_ + encode_ + write_;
+        if (render_ > 0.0) {
+            last_.overheadShare = overhead / (render_ + overhead);
+            last_.mraysPerSecond = static_cast<double>(rays_) / render_ * 1e-6;
+        }
+    }
+    frames_ = passes_ = sent_ = 0;
+    render_ = develop_ = encode_ = queue_ = send_ = write_ = 0.0;
+    rays_ = 0;
+    return last_;
+}
+
+}  // namespace heliograph
