@@ -36,12 +36,12 @@ void main() {
     vec3 throughput = path.throughput * mediumTransmittance(path.medium, s);
     radiance += emittedRadiance(m, throughput);
     ShadowRay shadow = lightRay(0u, s, m, wo, throughput);
-    radiance += shadow.contribution * surfaceTransmittance(s, shadow.ray.direction, s.distance);
+    radiance += shadow.contribution * surfaceTransmittance(s, shadow.ray.direction);
     vec3 tangent;
     vec3 bitangent;
     orthonormalBasis(m.normal, tangent, bitangent);
     vec3 d = occlusionDirection(SOBOL(occlusionNumber(3u, 1u)), occlusionShift(pixel, path.salt), m.normal, s.geometricNormal, tangent, bitangent);
-    radiance += ambientContribution(m, wo, throughput) * occlusionVisibility(isCutOut(s) || needsOcclusion(radiance) ? 1u : 2u, 3u) * d;
+    radiance += ambientContribution(m, wo, throughput) * occlusionVisibility(isCutOut(s) || needsOcclusion(radiance) ? 1u : 2u) * d;
     PathState reflection;
     PathState refraction;
     PathState pass;

@@ -1,6 +1,7 @@
 #include "server/render/effect_set.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 
 namespace heliograph {
@@ -71,12 +72,20 @@ Finding byMaterial(const Usage& usage, const std::string& lack, const std::funct
     return {true, counted(found.size(), "material") + " (" + names + "), " + counted(triangles, "triangle")};
 }
 
+std::array<uint32_t, 7> textureSlots(const Material& m) {
+    return {m.baseTexture, m.metallicRoughnessTexture, m.normalTexture, m.emissionTexture, m.opacityTexture,
+            m.transmissionTexture, m.specularTexture};
+}
+
 bool hasTexture(const Material& m) {
-    for (uint32_t slot : {m.baseTexture, m.metallicRoughnessTexture, m.normalTexture, m.emissionTexture, m.opacityTexture,
-                          m.transmissionTexture, m.specularTexture}) {
-        if (slot != NO_INDEX) return true;
-    }
-    return false;
+    auto slots = textureSlots(m);
+    return std::any_of(slots.begin(), slots.end(), [](uint32_t slot) { return slot != NO_INDEX; });
+}
+
+bool usesSecondUv(const Scene& scene, const Material& m) {
+    auto slots = textureSlots(m);
+    return std::any_of(slots.begin(), slots.end(),
+                       [&](uint32_t slot) { return slot != NO_INDEX && scene.textures[slot].uvSet != 0; });
 }
 
 bool lit(const Material& m) { return (m.flags & MATERIAL_UNLIT) == 0; }
@@ -140,6 +149,13 @@ Finding environmentIn(const Usage& usage) {
     return {true, "an image of " + std::to_string(level.width) + "x" + std::to_string(level.height) + " pixels"};
 }
 
+Finding tangentsIn(const Usage& usage) {
+    const auto& meshes = usage.scene.meshes;
+    auto with = std::count_if(meshes.begin(), meshes.end(), [](const Mesh& mesh) { return mesh.hasTangents != 0; });
+    if (with == 0) return {false, "no mesh stores tangents"};
+    return {true, counted(static_cast<uint64_t>(with), "tangent array")};
+}
+
 Finding instancingIn(const Usage& usage) {
     const auto& instances = usage.scene.instances;
     auto placed = std::count_if(instances.begin(), instances.end(),
@@ -183,6 +199,9 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
                 return m.emission.x > 0.0f || m.emission.y > 0.0f || m.emission.z > 0.0f;
             });
         case EFFECT_INSTANCING: return instancingIn(usage);
+        case EFFECT_TANGENTS: return tangentsIn(usage);
+        case EFFECT_SECOND_UV:
+            return material("every texture uses the first coordinates", [&](const Material& m) { return usesSecondUv(usage.scene, m); });
         default: break;
     }
     // A row added to the table without a rule here is on: never a wrong picture, and the reason says what to do.

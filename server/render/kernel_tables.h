@@ -2,7 +2,7 @@
 // Tables that every device hands to the kernel, computed once on the host.
 
 #include "server/scene/scene.h"
-#include "shaders/kernel/kernel.h"
+#include "shaders/kernel/scene_view.h"
 
 namespace heliograph {
 
@@ -11,8 +11,8 @@ namespace heliograph {
 /// Hash-based Owen Scrambling", JCGT 9(4) 2020). 32-bit fixed point in [0, 1).
 const std::vector<uvec2>& sobolTable();
 
-/// Linear value of each sRGB code 0..255 (IEC 61966-2-1).
-const std::vector<float>& srgbTable();
+/// Linear value of each 8-bit code: 256 for sRGB codes (IEC 61966-2-1), then 256 for linear ones.
+const std::vector<float>& texelTable();
 
 /// The scene and the tables as the kernel sees them; valid as long as the scene.
 SceneView sceneView(const Scene& scene);

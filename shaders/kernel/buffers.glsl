@@ -16,24 +16,25 @@ layout(std430, set = 0, binding = 10) readonly buffer ImageLevelBuffer { ImageLe
 layout(std430, set = 0, binding = 11) readonly buffer TexelBuffer { uint texels[]; };
 layout(std430, set = 0, binding = 12) readonly buffer LightBuffer { Light lights[]; };
 layout(std430, set = 0, binding = 13) readonly buffer EnvironmentBuffer { Environment environmentData; };
-layout(std430, set = 0, binding = 14) readonly buffer SrgbBuffer { float srgbValues[]; };
+layout(std430, set = 0, binding = 14) readonly buffer TexelTableBuffer { float texelValues[]; };
 layout(std430, set = 0, binding = 15) readonly buffer SobolBuffer { uvec2 sobolPoints[]; };
 
 #define FRAME frameConstants
 #define POSITION(i) positions[i]
-#define ATTRIBUTES(i) vertexAttributes[i]
+#define ATTRIBUTE(i, field) vertexAttributes[i].field
 #define TANGENT(i) tangents[i]
 #define TRIANGLE(i) triangles[i]
-#define MESH(i) meshes[i]
-#define INSTANCE(i) instances[i]
-#define MATERIAL(i) materials[i]
-#define TEXTURE(i) textureSlots[i]
-#define IMAGE(i) images[i]
-#define IMAGE_LEVEL(i) imageLevels[i]
+#define NORMAL_U(i) vec4(vertexAttributes[i].normal, vertexAttributes[i].u0)
+#define MESH(i, field) meshes[i].field
+#define INSTANCE(i, field) instances[i].field
+#define MATERIAL(i, field) materials[i].field
+#define TEXTURE(i, field) textureSlots[i].field
+#define IMAGE(i, field) images[i].field
+#define IMAGE_LEVEL(i, field) imageLevels[i].field
 #define TEXEL(i) texels[i]
 #define LIGHT(i) lights[i]
 #define ENVIRONMENT environmentData
-#define SRGB_TABLE(i) srgbValues[i]
+#define TEXEL_TABLE(i) texelValues[i]
 #define SOBOL(i) sobolPoints[i]
 
 #endif

@@ -14,3 +14,5 @@ EFFECT(10, EFFECT_ALPHA_BLEND, "alphaBlend", "", "Surfaces that let a part of th
 EFFECT(11, EFFECT_ABSORPTION, "absorption", "refractions", "Coloured glass darkens with the distance travelled in it (Beer-Lambert).")
 EFFECT(12, EFFECT_EMISSION, "emission", "", "Surfaces that glow.")
 EFFECT(13, EFFECT_INSTANCING, "instancing", "", "One mesh stands in several places.")
+EFFECT(14, EFFECT_TANGENTS, "tangents", "", "Tangents stored at vertices steer the normal maps.")
+EFFECT(15, EFFECT_SECOND_UV, "secondTextureCoordinates", "", "A texture uses the second set of coordinates.")

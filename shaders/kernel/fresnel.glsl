@@ -6,14 +6,11 @@
 float fresnelDielectric(float cosI, float eta, OUT(float) cosT) {
     float c = min(cosI, 1.0f);
     float radicand = (1.0f - eta) * (1.0f + eta) + eta * eta * c * c;
-    if (radicand <= 0.0f) {
-        cosT = 0.0f;
-        return 1.0f;
-    }
-    cosT = sqrt(radicand);
-    float parallel = (c - eta * cosT) / (c + eta * cosT);
-    float perpendicular = (eta * c - cosT) / (eta * c + cosT);
-    return 0.5f * (parallel * parallel + perpendicular * perpendicular);
+    bool total = radicand <= 0.0f;
+    cosT = sqrt(max(radicand, 0.0f));
+    float parallel = (c - eta * cosT) / max(c + eta * cosT, 1.0e-20f);
+    float perpendicular = (eta * c - cosT) / max(eta * c + cosT, 1.0e-20f);
+    return SELECT(total, 1.0f, 0.5f * (parallel * parallel + perpendicular * perpendicular));
 }
 
 // Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994).

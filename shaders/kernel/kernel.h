@@ -1,59 +1,38 @@
 #pragma once
-// The kernel as C++: the files that glslang compiles, inside a struct whose members stand in for the GPU's buffers. The
-// template parameter is the set of EFFECT_* bits that the code can do; frame.effects, a subset, says what is on.
+// The kernel as scalar C++: the files that glslang compiles, inside a struct whose members stand in for the GPU's buffers.
+// The template parameter is the set of EFFECT_* bits that the code can do; frame.effects, a subset, says what is on.
 
-#include "shaders/kernel/kernel_types.h"
-
-namespace heliograph {
-
-/// Pointers to a scene's arrays and to the kernel's tables; nothing is owned.
-struct SceneView {
-    const vec4* positions = nullptr;
-    const VertexAttributes* attributes = nullptr;
-    const vec4* tangents = nullptr;
-    const uvec4* triangles = nullptr;
-    const Mesh* meshes = nullptr;
-    const Instance* instances = nullptr;
-    const Material* materials = nullptr;
-    const TextureSlot* textures = nullptr;
-    const Image* images = nullptr;
-    const ImageLevel* imageLevels = nullptr;
-    const uint32_t* texels = nullptr;
-    const Light* lights = nullptr;
-    const Environment* environment = nullptr;
-    const float* srgbTable = nullptr;  // 256 values
-    const uvec2* sobol = nullptr;      // SOBOL_COUNT points
-};
-
-}  // namespace heliograph
-
-// Code that is compiled several times for different instruction sets lives in a namespace of its own.
-#ifndef HELIOGRAPH_KERNEL_NAMESPACE
-#define HELIOGRAPH_KERNEL_NAMESPACE kernel_baseline
-#endif
+#include "shaders/kernel/scene_view.h"
 
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
+#define OUT(T) T&
+#define INOUT(T) T&
+#define SELECT(condition, yes, no) ((condition) ? (yes) : (no))
+#define ANY(condition) (condition)
+#define FLOAT_CONSTANT(name, value) static constexpr float name = value;
+#define UINT_CONSTANT(name, value) static constexpr uint32_t name = value;
+#define UNIFORM_UINT uint32_t
 #define FRAME frame
 #define POSITION(i) scene.positions[i]
-#define ATTRIBUTES(i) scene.attributes[i]
+#define NORMAL_U(i) vec4(scene.attributes[i].normal, scene.attributes[i].u0)
+#define ATTRIBUTE(i, field) scene.attributes[i].field
 #define TANGENT(i) scene.tangents[i]
 #define TRIANGLE(i) scene.triangles[i]
-#define MESH(i) scene.meshes[i]
-#define INSTANCE(i) scene.instances[i]
-#define MATERIAL(i) scene.materials[i]
-#define TEXTURE(i) scene.textures[i]
-#define IMAGE(i) scene.images[i]
-#define IMAGE_LEVEL(i) scene.imageLevels[i]
+#define MESH(i, field) scene.meshes[i].field
+#define INSTANCE(i, field) scene.instances[i].field
+#define MATERIAL(i, field) scene.materials[i].field
+#define TEXTURE(i, field) scene.textures[i].field
+#define IMAGE(i, field) scene.images[i].field
+#define IMAGE_LEVEL(i, field) scene.imageLevels[i].field
 #define TEXEL(i) scene.texels[i]
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)
-#define SRGB_TABLE(i) scene.srgbTable[i]
+#define TEXEL_TABLE(i) scene.texelTable[i]
 #define SOBOL(i) scene.sobol[i]
 
-namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
+namespace heliograph::scalar_kernel {
 
 using glm::abs;
-using glm::clamp;
 using glm::cross;
 using glm::dot;
 using glm::floatBitsToInt;
@@ -68,37 +47,9 @@ struct Kernel {
     SceneView scene;
     FrameConstants frame;
 
-#include "math.glsl"
-#include "ray.glsl"
-#include "sampling.glsl"
-#include "triangle.glsl"
-#include "texture.glsl"
-#include "camera.glsl"
-#include "environment.glsl"
-#include "fresnel.glsl"
-#include "microfacet.glsl"
-#include "light.glsl"
-#include "surface.glsl"
-#include "material.glsl"
-#include "whitted.glsl"
+#include "kernel_files.inc"
 };
 
-}  // namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE
+}  // namespace heliograph::scalar_kernel
 
-#undef HAS
-#undef FRAME
-#undef POSITION
-#undef ATTRIBUTES
-#undef TANGENT
-#undef TRIANGLE
-#undef MESH
-#undef INSTANCE
-#undef MATERIAL
-#undef TEXTURE
-#undef IMAGE
-#undef IMAGE_LEVEL
-#undef TEXEL
-#undef LIGHT
-#undef ENVIRONMENT
-#undef SRGB_TABLE
-#undef SOBOL
+#include "kernel_undefine.inc"

@@ -21,8 +21,10 @@ using glm::vec2;
 using glm::vec3;
 using glm::vec4;
 
+#define UINT_CONSTANT(name, value) constexpr uint name = value;
 #include "compat.glsl"
 #include "types.glsl"
+#undef UINT_CONSTANT
 
 static_assert(sizeof(VertexAttributes) == 32 && offsetof(VertexAttributes, color) == 28);
 static_assert(sizeof(Mesh) == 32);

@@ -1,4 +1,4 @@
-// Lights as seen from a point.
+// Lights as seen from a point. All points ask the same light at a time.
 
 struct LightSample {
     vec3 direction;   // unit, towards the light
@@ -8,7 +8,10 @@ struct LightSample {
 
 // KHR_lights_punctual's falloff: inverse square with a smooth end at `range`; RayEngine's linear one on request.
 float lightFalloff(Light light, float distance) {
-    if (light.falloff == FALLOFF_LINEAR) return light.range > 0.0f ? max(1.0f - distance / light.range, 0.0f) : 1.0f;
+    if (light.falloff == FALLOFF_LINEAR) {
+        if (light.range <= 0.0f) return 1.0f;
+        return max(1.0f - distance / light.range, 0.0f);
+    }
     float window = 1.0f;
     if (light.range > 0.0f) {
         float q = distance / light.range;
@@ -16,10 +19,10 @@ float lightFalloff(Light light, float distance) {
         window = saturate(1.0f - q2 * q2);
     }
     float d2 = distance * distance;
-    return d2 > 0.0f ? window / d2 : 0.0f;
+    return SELECT(d2 > 0.0f, window / SELECT(d2 > 0.0f, d2, 1.0f), 0.0f);
 }
 
-LightSample lightAt(uint index, vec3 point) {
+LightSample lightAt(UNIFORM_UINT index, vec3 point) {
     Light light = LIGHT(index);
     LightSample result;
     result.irradiance = light.intensity;
@@ -28,17 +31,18 @@ LightSample lightAt(uint index, vec3 point) {
         result.distance = FLOAT_MAX;
         return result;
     }
-    vec3 position = light.type == LIGHT_HEADLIGHT ? FRAME.camera.origin : light.position;
+    vec3 position = light.position;
+    if (light.type == LIGHT_HEADLIGHT) position = FRAME.camera.origin;
     vec3 offset = position - point;
     result.distance = sqrt(dot(offset, offset));
-    float inverse = result.distance > 0.0f ? 1.0f / result.distance : 0.0f;
-    result.direction = offset * inverse;
+    result.direction = offset * (1.0f / SELECT(result.distance > 0.0f, result.distance, 1.0f));
     if (light.type == LIGHT_HEADLIGHT) return result;
-    result.irradiance = light.intensity * lightFalloff(light, result.distance);
+    float falloff = lightFalloff(light, result.distance);
     if (light.type == LIGHT_SPOT) {
-        float cosine = -dot(light.direction, result.direction);
+        float cosine = -dot(result.direction, light.direction);
         float edge = saturate((cosine - light.cosOuter) / max(light.cosInner - light.cosOuter, 1.0e-4f));
-        result.irradiance = result.irradiance * (edge * edge);
+        falloff = falloff * (edge * edge);
     }
+    result.irradiance = result.irradiance * falloff;
     return result;
 }

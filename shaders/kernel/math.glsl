@@ -2,9 +2,9 @@
 // transcendental function of the kernel is built of them here. Errors are stated against exact values.
 // Polynomials: Abramowitz & Stegun, Handbook of Mathematical Functions (1964), 4.4.46 and 4.4.49; Cody & Waite reductions.
 
-KERNEL_CONSTANT float PI = 3.14159265358979f;
-KERNEL_CONSTANT float INV_PI = 0.318309886183791f;
-KERNEL_CONSTANT float FLOAT_MAX = 3.402823466e38f;
+FLOAT_CONSTANT(PI, 3.14159265358979f)
+FLOAT_CONSTANT(INV_PI, 0.318309886183791f)
+FLOAT_CONSTANT(FLOAT_MAX, 3.402823466e38f)
 
 float square(float x) { return x * x; }
 
@@ -17,7 +17,7 @@ float luminance(vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; 
 // Unit vector; (0, 0, 0) stays what it is.
 vec3 normalize3(vec3 v) {
     float lengthSquared = dot(v, v);
-    float scale = lengthSquared > 0.0f ? 1.0f / sqrt(lengthSquared) : 0.0f;
+    float scale = 1.0f / sqrt(SELECT(lengthSquared > 0.0f, lengthSquared, 1.0f));
     return v * scale;
 }
 
@@ -68,9 +68,8 @@ float log2Rough(float x) {
 
 // x^y for x >= 0; 0^0 = 1.
 float powKernel(float x, float y) {
-    if (y == 0.0f) return 1.0f;
-    if (x <= 1.0e-30f) return 0.0f;
-    return expKernel(y * logKernel(x));
+    float power = expKernel(y * logKernel(max(x, 1.0e-30f)));
+    return SELECT(y == 0.0f, 1.0f, SELECT(x <= 1.0e-30f, 0.0f, power));
 }
 
 // Sine and cosine of a full turn times `turn`, turn in [0, 1); absolute error < 2e-7.
@@ -83,10 +82,10 @@ void sinCosTurn(float turn, OUT(float) sine, OUT(float) cosine) {
     float c = ((2.443315711809948e-5f * a2 - 1.388731625493765e-3f) * a2 + 4.166664568298827e-2f) * a2 * a2
               - 0.5f * a2 + 1.0f;
     int q = int(n) & 3;
-    float s1 = (q & 1) != 0 ? c : s;
-    float c1 = (q & 1) != 0 ? s : c;
-    sine = (q & 2) != 0 ? -s1 : s1;
-    cosine = (q == 1 || q == 2) ? -c1 : c1;
+    float s1 = SELECT((q & 1) != 0, c, s);
+    float c1 = SELECT((q & 1) != 0, s, c);
+    sine = SELECT((q & 2) != 0, -s1, s1);
+    cosine = SELECT(q == 1 || q == 2, -c1, c1);
 }
 
 // arccos for x in [-1, 1], clamped outside; absolute error < 5e-7.
@@ -101,7 +100,7 @@ float acosKernel(float x) {
     p = p * a - 0.2145988016f;
     p = p * a + 1.5707963050f;
     float r = sqrt(1.0f - a) * p;
-    return x < 0.0f ? PI - r : r;
+    return SELECT(x < 0.0f, PI - r, r);
 }
 
 // Angle of (x, y) in (-pi, pi]; (0, 0) gives 0; absolute error < 5e-7.
@@ -110,7 +109,7 @@ float atan2Kernel(float y, float x) {
     float ay = abs(y);
     float high = max(ax, ay);
     float low = min(ax, ay);
-    float t = high > 0.0f ? low / high : 0.0f;
+    float t = low / SELECT(high > 0.0f, high, 1.0f);
     float t2 = t * t;
     float p = 0.0028662257f;
     p = p * t2 - 0.0161657367f;
@@ -121,15 +120,15 @@ float atan2Kernel(float y, float x) {
     p = p * t2 + 0.1999355085f;
     p = p * t2 - 0.3333314528f;
     float angle = p * t2 * t + t;
-    angle = ay > ax ? 1.57079633f - angle : angle;
-    angle = x < 0.0f ? PI - angle : angle;
-    return y < 0.0f ? -angle : angle;
+    angle = SELECT(ay > ax, 1.57079633f - angle, angle);
+    angle = SELECT(x < 0.0f, PI - angle, angle);
+    return SELECT(y < 0.0f, -angle, angle);
 }
 
 // Two vectors that complete the unit vector n to a right-handed basis. Duff et al., "Building an Orthonormal Basis,
 // Revisited", JCGT 6(1) 2017.
 void orthonormalBasis(vec3 n, OUT(vec3) tangent, OUT(vec3) bitangent) {
-    float s = n.z >= 0.0f ? 1.0f : -1.0f;
+    float s = SELECT(n.z >= 0.0f, 1.0f, -1.0f);
     float a = -1.0f / (s + n.z);
     float b = n.x * n.y * a;
     tangent = vec3(1.0f + s * n.x * n.x * a, s * b, -s * n.x);

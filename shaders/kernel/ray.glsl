@@ -9,10 +9,10 @@ vec3 offsetRayOrigin(vec3 p, vec3 n) {
     int ix = int(intScale * n.x);
     int iy = int(intScale * n.y);
     int iz = int(intScale * n.z);
-    float px = intBitsToFloat(floatBitsToInt(p.x) + (p.x < 0.0f ? -ix : ix));
-    float py = intBitsToFloat(floatBitsToInt(p.y) + (p.y < 0.0f ? -iy : iy));
-    float pz = intBitsToFloat(floatBitsToInt(p.z) + (p.z < 0.0f ? -iz : iz));
-    return vec3(abs(p.x) < origin ? p.x + floatScale * n.x : px,
-                abs(p.y) < origin ? p.y + floatScale * n.y : py,
-                abs(p.z) < origin ? p.z + floatScale * n.z : pz);
+    float px = intBitsToFloat(floatBitsToInt(p.x) + SELECT(p.x < 0.0f, -ix, ix));
+    float py = intBitsToFloat(floatBitsToInt(p.y) + SELECT(p.y < 0.0f, -iy, iy));
+    float pz = intBitsToFloat(floatBitsToInt(p.z) + SELECT(p.z < 0.0f, -iz, iz));
+    return vec3(SELECT(abs(p.x) < origin, p.x + floatScale * n.x, px),
+                SELECT(abs(p.y) < origin, p.y + floatScale * n.y, py),
+                SELECT(abs(p.z) < origin, p.z + floatScale * n.z, pz));
 }

@@ -2,7 +2,7 @@
 // Effectiveness of Quasirandom Sequences", 2018), which starts at the pixel's centre; hemisphere samples come from an
 // Owen-scrambled Sobol table (host: render/sobol_table), shifted digit-wise per pixel and path vertex.
 
-KERNEL_CONSTANT uint SOBOL_COUNT = 4096u;  // points in the table, a power of two
+UINT_CONSTANT(SOBOL_COUNT, 4096u)  // points in the table, a power of two
 
 // Mixes bits: every input bit changes about half of the output bits. Constants: Ettinger's "lowbias32" search (2018).
 uint hashUint(uint value) {
@@ -20,10 +20,10 @@ uint hashPixel(uvec2 pixel, uint salt) {
 }
 
 // [0, 1): 24 bits, so that 1 is never reached.
-float unitFloat(uint bits) { return float(bits >> 8) * 5.9604644775390625e-8f; }
+float unitFloat(uint bits) { return float(int(bits >> 8)) * 5.9604644775390625e-8f; }
 
 // Offset inside the pixel in [0, 1)^2 of sample `index`; index 0 is the centre.
-vec2 pixelJitter(uint index) {
+vec2 pixelJitter(UNIFORM_UINT index) {
     return vec2(unitFloat(0x80000000u + index * 0xc13fa9a9u), unitFloat(0x80000000u + index * 0x91e10da5u));
 }
 

@@ -8,7 +8,7 @@ struct Surface {
     vec3 normal;           // unit, interpolated, towards the ray's origin
     float footprint;       // squared size of the ray's cone on the surface, in uv units
     vec3 shadowPosition;   // position moved off the facet towards the smooth surface (Hanika)
-    uint frontFace;        // 1 = the ray came from outside
+    float side;            // 1 = the ray came from outside, -1 = from inside
     vec2 uv0;
     vec2 uv1;
     vec4 color;            // vertex colour, linear
@@ -16,78 +16,100 @@ struct Surface {
     vec3 edge2;
     vec2 uvEdge1;
     vec2 uvEdge2;
-    vec3 tangent;          // world, 0 if the mesh has none
-    float tangentSign;
+    vec3 tangent;          // world
+    float tangentSign;     // 0 if the mesh has no tangents
 };
 
-vec3 transformPoint(Instance instance, vec3 p) {
-    return vec3(instance.toWorld0.x * p.x + instance.toWorld0.y * p.y + instance.toWorld0.z * p.z + instance.toWorld0.w,
-                instance.toWorld1.x * p.x + instance.toWorld1.y * p.y + instance.toWorld1.z * p.z + instance.toWorld1.w,
-                instance.toWorld2.x * p.x + instance.toWorld2.y * p.y + instance.toWorld2.z * p.z + instance.toWorld2.w);
+vec3 transformPoint(uint instance, vec3 p) {
+    vec4 r0 = INSTANCE(instance, toWorld0);
+    vec4 r1 = INSTANCE(instance, toWorld1);
+    vec4 r2 = INSTANCE(instance, toWorld2);
+    return vec3(r0.x * p.x + r0.y * p.y + r0.z * p.z + r0.w, r1.x * p.x + r1.y * p.y + r1.z * p.z + r1.w,
+                r2.x * p.x + r2.y * p.y + r2.z * p.z + r2.w);
 }
 
-vec3 transformVector(Instance instance, vec3 d) {
-    return vec3(instance.toWorld0.x * d.x + instance.toWorld0.y * d.y + instance.toWorld0.z * d.z,
-                instance.toWorld1.x * d.x + instance.toWorld1.y * d.y + instance.toWorld1.z * d.z,
-                instance.toWorld2.x * d.x + instance.toWorld2.y * d.y + instance.toWorld2.z * d.z);
+vec3 transformVector(uint instance, vec3 d) {
+    vec4 r0 = INSTANCE(instance, toWorld0);
+    vec4 r1 = INSTANCE(instance, toWorld1);
+    vec4 r2 = INSTANCE(instance, toWorld2);
+    return vec3(r0.x * d.x + r0.y * d.y + r0.z * d.z, r1.x * d.x + r1.y * d.y + r1.z * d.z,
+                r2.x * d.x + r2.y * d.y + r2.z * d.z);
 }
 
 // By the inverse transpose, so that normals stay normal under non-uniform scale.
-vec3 transformNormal(Instance instance, vec3 n) {
-    return vec3(instance.toObject0.x * n.x + instance.toObject1.x * n.y + instance.toObject2.x * n.z,
-                instance.toObject0.y * n.x + instance.toObject1.y * n.y + instance.toObject2.y * n.z,
-                instance.toObject0.z * n.x + instance.toObject1.z * n.y + instance.toObject2.z * n.z);
+vec3 transformNormal(uint instance, vec3 n) {
+    vec4 r0 = INSTANCE(instance, toObject0);
+    vec4 r1 = INSTANCE(instance, toObject1);
+    vec4 r2 = INSTANCE(instance, toObject2);
+    return vec3(r0.x * n.x + r1.x * n.y + r2.x * n.z, r0.y * n.x + r1.y * n.y + r2.y * n.z,
+                r0.z * n.x + r1.z * n.y + r2.z * n.z);
 }
 
 vec4 unpackColor(uint word) {
-    float s = 0.003921568859368563f;
-    return vec4(float(word & 255u) * s, float((word >> 8) & 255u) * s, float((word >> 16) & 255u) * s, float(word >> 24) * s);
+    return vec4(float(int(word & 255u)), float(int((word >> 8) & 255u)), float(int((word >> 16) & 255u)),
+                float(int(word >> 24))) * 0.003921568859368563f;
 }
+
+vec3 pointOf(vec4 p) { return vec3(p.x, p.y, p.z); }
 
 // The part of the shadow terminator fix that one vertex adds: the point pulled into the vertex's tangent plane. Hanika,
 // "Hacking the Shadow Terminator", Ray Tracing Gems II (2021), ch. 4.
-vec3 tangentPlanePull(vec3 p, vec3 vertex, vec3 normal) {
-    float d = dot(p - vertex, normal);
-    return normal * min(d, 0.0f);
-}
+vec3 tangentPlanePull(vec3 p, vec3 vertex, vec3 normal) { return normal * min(dot(p - vertex, normal), 0.0f); }
 
 // uv area of the footprint of a cone of width `coneWidth` that meets the triangle under `cosine`. Akenine-Moeller et al.,
 // "Improved Shader and Texture Level of Detail Using Ray Cones", JCGT 10(1) 2021; the ellipse counts by its area.
-float uvFootprint(Surface s, vec3 cross12, float coneWidth, float cosine) {
-    float uvArea = abs(s.uvEdge1.x * s.uvEdge2.y - s.uvEdge1.y * s.uvEdge2.x);
-    float area = sqrt(dot(cross12, cross12));
+float uvFootprint(vec2 uvEdge1, vec2 uvEdge2, float area, float coneWidth, float cosine) {
+    float uvArea = abs(uvEdge1.x * uvEdge2.y - uvEdge1.y * uvEdge2.x);
     return coneWidth * coneWidth * uvArea / max(area * max(cosine, 0.05f), 1.0e-30f);
+}
+
+// `us`: first coordinates of the three vertices, which come with their normals.
+void addTextureCoordinates(INOUT(Surface) s, vec3 us, uint ia, uint ib, uint ic, float w, float u, float v) {
+    float ua = us.x;
+    float ub = us.y;
+    float uc = us.z;
+    float va = ATTRIBUTE(ia, v0);
+    float vb = ATTRIBUTE(ib, v0);
+    float vc = ATTRIBUTE(ic, v0);
+    s.uv0 = vec2(ua * w + ub * u + uc * v, va * w + vb * u + vc * v);
+    s.uvEdge1 = vec2(ub - ua, vb - va);
+    s.uvEdge2 = vec2(uc - ua, vc - va);
+    s.uv1 = s.uv0;
+    if (HAS(EFFECT_SECOND_UV))
+        s.uv1 = vec2(ATTRIBUTE(ia, u1) * w + ATTRIBUTE(ib, u1) * u + ATTRIBUTE(ic, u1) * v,
+                     ATTRIBUTE(ia, v1) * w + ATTRIBUTE(ib, v1) * u + ATTRIBUTE(ic, v1) * v);
 }
 
 Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread, Hit hit) {
     Surface s;
-    uint instanceIndex = hit.instance;
-    uint triangleIndex = INSTANCE(instanceIndex).firstTriangle + hit.primitive;
-    uvec4 corners = TRIANGLE(triangleIndex);
+    uint triangle = INSTANCE(hit.instance, firstTriangle) + hit.primitive;
+    uvec4 corners = TRIANGLE(triangle);
+    uint ia = corners.x;
+    uint ib = corners.y;
+    uint ic = corners.z;
     s.material = corners.w;
-    vec4 pa = POSITION(corners.x);
-    vec4 pb = POSITION(corners.y);
-    vec4 pc = POSITION(corners.z);
-    vec3 a = vec3(pa.x, pa.y, pa.z);
-    vec3 b = vec3(pb.x, pb.y, pb.z);
-    vec3 c = vec3(pc.x, pc.y, pc.z);
-    VertexAttributes va = ATTRIBUTES(corners.x);
-    VertexAttributes vb = ATTRIBUTES(corners.y);
-    VertexAttributes vc = ATTRIBUTES(corners.z);
-    vec3 na = va.normal;
-    vec3 nb = vb.normal;
-    vec3 nc = vc.normal;
-    bool placed = HAS(EFFECT_INSTANCING) && (INSTANCE(instanceIndex).flags & INSTANCE_IDENTITY) == 0u;
-    bool mirrored = false;
-    if (placed) {
-        Instance instance = INSTANCE(instanceIndex);
-        a = transformPoint(instance, a);
-        b = transformPoint(instance, b);
-        c = transformPoint(instance, c);
-        na = normalize3(transformNormal(instance, na));
-        nb = normalize3(transformNormal(instance, nb));
-        nc = normalize3(transformNormal(instance, nc));
-        mirrored = (instance.flags & INSTANCE_MIRRORED) != 0u;
+    vec3 a = pointOf(POSITION(ia));
+    vec3 b = pointOf(POSITION(ib));
+    vec3 c = pointOf(POSITION(ic));
+    vec4 nua = NORMAL_U(ia);
+    vec4 nub = NORMAL_U(ib);
+    vec4 nuc = NORMAL_U(ic);
+    vec3 na = pointOf(nua);
+    vec3 nb = pointOf(nub);
+    vec3 nc = pointOf(nuc);
+    float winding = 1.0f;
+    if (HAS(EFFECT_INSTANCING)) {
+        uint flags = INSTANCE(hit.instance, flags);
+        bool placed = (flags & INSTANCE_IDENTITY) == 0u;
+        if (ANY(placed)) {
+            a = SELECT(placed, transformPoint(hit.instance, a), a);
+            b = SELECT(placed, transformPoint(hit.instance, b), b);
+            c = SELECT(placed, transformPoint(hit.instance, c), c);
+            na = SELECT(placed, normalize3(transformNormal(hit.instance, na)), na);
+            nb = SELECT(placed, normalize3(transformNormal(hit.instance, nb)), nb);
+            nc = SELECT(placed, normalize3(transformNormal(hit.instance, nc)), nc);
+            winding = SELECT((flags & INSTANCE_MIRRORED) != 0u, -1.0f, 1.0f);
+        }
     }
     s.edge1 = b - a;
     s.edge2 = c - a;
@@ -95,35 +117,33 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
     float w = 1.0f - bary.u - bary.v;
     s.distance = bary.t;
     s.position = a * w + b * bary.u + c * bary.v;
-    vec3 cross12 = cross(s.edge1, s.edge2);
-    vec3 facing = mirrored ? vec3(-cross12.x, -cross12.y, -cross12.z) : cross12;
-    s.frontFace = dot(facing, direction) < 0.0f ? 1u : 0u;
-    float side = s.frontFace != 0u ? 1.0f : -1.0f;
-    s.geometricNormal = normalize3(facing) * side;
-    vec3 smooth_ = normalize3(na * w + nb * bary.u + nc * bary.v) * side;
+    vec3 facing = cross(s.edge1, s.edge2) * winding;
+    float doubleArea = sqrt(dot(facing, facing));
+    s.side = SELECT(dot(facing, direction) < 0.0f, 1.0f, -1.0f);
+    s.geometricNormal = facing * (s.side / SELECT(doubleArea > 0.0f, doubleArea, 1.0f));
+    vec3 smooth_ = normalize3(na * w + nb * bary.u + nc * bary.v) * s.side;
     // A smooth normal that looks away from the viewer would shade a back: the facet's own serves there.
-    s.normal = dot(smooth_, s.geometricNormal) > 0.0f ? smooth_ : s.geometricNormal;
-    vec3 pull = tangentPlanePull(s.position, a, na * side) * w + tangentPlanePull(s.position, b, nb * side) * bary.u
-                + tangentPlanePull(s.position, c, nc * side) * bary.v;
+    s.normal = SELECT(dot(smooth_, s.geometricNormal) > 0.0f, smooth_, s.geometricNormal);
+    vec3 pull = tangentPlanePull(s.position, a, na * s.side) * w + tangentPlanePull(s.position, b, nb * s.side) * bary.u
+                + tangentPlanePull(s.position, c, nc * s.side) * bary.v;
     s.shadowPosition = s.position - pull;
+    s.footprint = 0.0f;
     if (HAS(EFFECT_TEXTURES)) {
-        s.uv0 = vec2(va.u0 * w + vb.u0 * bary.u + vc.u0 * bary.v, va.v0 * w + vb.v0 * bary.u + vc.v0 * bary.v);
-        s.uv1 = vec2(va.u1 * w + vb.u1 * bary.u + vc.u1 * bary.v, va.v1 * w + vb.v1 * bary.u + vc.v1 * bary.v);
-        s.uvEdge1 = vec2(vb.u0 - va.u0, vb.v0 - va.v0);
-        s.uvEdge2 = vec2(vc.u0 - va.u0, vc.v0 - va.v0);
-        s.footprint = uvFootprint(s, cross12, coneWidth + coneSpread * max(s.distance, 0.0f),
+        addTextureCoordinates(s, vec3(nua.w, nub.w, nuc.w), ia, ib, ic, w, bary.u, bary.v);
+        s.footprint = uvFootprint(s.uvEdge1, s.uvEdge2, doubleArea, coneWidth + coneSpread * max(s.distance, 0.0f),
                                   -dot(s.geometricNormal, direction));
     }
     if (HAS(EFFECT_VERTEX_COLORS))
-        s.color = unpackColor(va.color) * w + unpackColor(vb.color) * bary.u + unpackColor(vc.color) * bary.v;
+        s.color = unpackColor(ATTRIBUTE(ia, color)) * w + unpackColor(ATTRIBUTE(ib, color)) * bary.u
+                  + unpackColor(ATTRIBUTE(ic, color)) * bary.v;
     s.tangentSign = 0.0f;
-    if (HAS(EFFECT_NORMAL_MAPS) && MESH(INSTANCE(instanceIndex).mesh).hasTangents != 0u) {
-        vec4 ta = TANGENT(corners.x);
-        vec4 tb = TANGENT(corners.y);
-        vec4 tc = TANGENT(corners.z);
-        s.tangent = vec3(ta.x, ta.y, ta.z) * w + vec3(tb.x, tb.y, tb.z) * bary.u + vec3(tc.x, tc.y, tc.z) * bary.v;
-        if (placed) s.tangent = transformVector(INSTANCE(instanceIndex), s.tangent);
-        s.tangentSign = mirrored ? -ta.w : ta.w;
+    if (HAS(EFFECT_TANGENTS)) {
+        vec4 ta = TANGENT(ia);
+        vec3 tangent = pointOf(ta) * w + pointOf(TANGENT(ib)) * bary.u + pointOf(TANGENT(ic)) * bary.v;
+        if (HAS(EFFECT_INSTANCING)) tangent = transformVector(hit.instance, tangent);
+        s.tangent = tangent;
+        bool has = MESH(INSTANCE(hit.instance, mesh), hasTangents) != 0u;
+        s.tangentSign = SELECT(has, ta.w * winding, 0.0f);
     }
     return s;
 }

@@ -12,17 +12,16 @@ struct Barycentrics {
 Barycentrics triangleBarycentrics(vec3 origin, vec3 direction, vec3 a, vec3 e1, vec3 e2) {
     vec3 p = cross(direction, e2);
     float determinant = dot(e1, p);
-    bool flat_ = !(abs(determinant) > 0.0f);
-    float inverse = 1.0f / (flat_ ? 1.0f : determinant);
+    bool usable = abs(determinant) > 0.0f;
+    float inverse = 1.0f / SELECT(usable, determinant, 1.0f);
     vec3 s = origin - a;
     vec3 q = cross(s, e1);
-    float u = dot(s, p) * inverse;
-    float v = dot(direction, q) * inverse;
-    float t = dot(e2, q) * inverse;
-    Barycentrics result;
-    result.u = flat_ ? 0.333333333f : saturate(u);
-    result.v = flat_ ? 0.333333333f : min(max(v, 0.0f), 1.0f - result.u);
+    float u = saturate(dot(s, p) * inverse);
+    float v = min(max(dot(direction, q) * inverse, 0.0f), 1.0f - u);
     vec3 center = a + (e1 + e2) * 0.333333333f - origin;
-    result.t = flat_ ? dot(center, direction) : t;
+    Barycentrics result;
+    result.u = SELECT(usable, u, 0.333333333f);
+    result.v = SELECT(usable, v, 0.333333333f);
+    result.t = SELECT(usable, dot(e2, q) * inverse, dot(center, direction));
     return result;
 }

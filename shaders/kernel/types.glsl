@@ -3,21 +3,21 @@
 #ifndef HELIOGRAPH_TYPES_GLSL
 #define HELIOGRAPH_TYPES_GLSL
 
-KERNEL_CONSTANT uint NO_INDEX = 0xffffffffu;
+UINT_CONSTANT(NO_INDEX, 0xffffffffu)
 
 // Effect bits, from the table.
-#define EFFECT(bit, CONSTANT, name, setting, help) KERNEL_CONSTANT uint CONSTANT = 1u << bit;
+#define EFFECT(bit, CONSTANT, name, setting, help) UINT_CONSTANT(CONSTANT, 1u << bit)
 #include "effect_table.glsl"
 #undef EFFECT
 
 // Material.flags
-KERNEL_CONSTANT uint MATERIAL_PHONG = 1u;         // Phong/MTL model; else metallic-roughness
-KERNEL_CONSTANT uint MATERIAL_UNLIT = 2u;         // shows its base colour
-KERNEL_CONSTANT uint MATERIAL_ALPHA_MASK = 4u;    // cut-out at alphaCutoff
-KERNEL_CONSTANT uint MATERIAL_ALPHA_BLEND = 8u;   // 1 - alpha passes straight through
-KERNEL_CONSTANT uint MATERIAL_VOLUME = 16u;       // a solid body: refracts and absorbs; else thin-walled
-KERNEL_CONSTANT uint MATERIAL_BUMP = 32u;         // normalTexture holds heights, not normals
-KERNEL_CONSTANT uint MATERIAL_OPACITY_RED = 64u;  // opacityTexture's red is alpha (MTL map_d)
+UINT_CONSTANT(MATERIAL_PHONG, 1u)         // Phong/MTL model; else metallic-roughness
+UINT_CONSTANT(MATERIAL_UNLIT, 2u)         // shows its base colour
+UINT_CONSTANT(MATERIAL_ALPHA_MASK, 4u)    // cut-out at alphaCutoff
+UINT_CONSTANT(MATERIAL_ALPHA_BLEND, 8u)   // 1 - alpha passes straight through
+UINT_CONSTANT(MATERIAL_VOLUME, 16u)       // a solid body: refracts and absorbs; else thin-walled
+UINT_CONSTANT(MATERIAL_BUMP, 32u)         // normalTexture holds heights, not normals
+UINT_CONSTANT(MATERIAL_OPACITY_RED, 64u)  // opacityTexture's red is alpha (MTL map_d)
 
 // One vertex beside its position, 32 bytes.
 struct VertexAttributes {
@@ -40,9 +40,9 @@ struct Mesh {
     uint root;         // root node of its tree in devices that own one
     uint pad0;
 };
-KERNEL_CONSTANT uint OPACITY_OPAQUE = 0u;
-KERNEL_CONSTANT uint OPACITY_MASKED = 1u;       // needs an alpha test
-KERNEL_CONSTANT uint OPACITY_TRANSPARENT = 2u;  // passes light: blend or transmission
+UINT_CONSTANT(OPACITY_OPAQUE, 0u)
+UINT_CONSTANT(OPACITY_MASKED, 1u)       // needs an alpha test
+UINT_CONSTANT(OPACITY_TRANSPARENT, 2u)  // passes light: blend or transmission
 
 // A placed mesh: 3x4 affine rows, 112 bytes. Rows hold (m0, m1, m2, translation).
 struct Instance {
@@ -55,10 +55,10 @@ struct Instance {
     uint mesh;
     uint flags;          // INSTANCE_*
     uint firstTriangle;  // copy of the mesh's, saves a load
-    uint pad0;
+    uint root;           // copy of the mesh's
 };
-KERNEL_CONSTANT uint INSTANCE_IDENTITY = 1u;  // transform is the identity
-KERNEL_CONSTANT uint INSTANCE_MIRRORED = 2u;  // determinant < 0: winding flips
+UINT_CONSTANT(INSTANCE_IDENTITY, 1u)  // transform is the identity
+UINT_CONSTANT(INSTANCE_MIRRORED, 2u)  // determinant < 0: winding flips
 
 // One material for MTL and glTF alike, 144 bytes. Texture fields index TextureSlot, NO_INDEX = none.
 struct Material {
@@ -96,9 +96,9 @@ struct TextureSlot {
     uint nearest;    // 1 = no filtering
     uint pad0;
 };
-KERNEL_CONSTANT uint WRAP_REPEAT = 0u;
-KERNEL_CONSTANT uint WRAP_CLAMP = 1u;
-KERNEL_CONSTANT uint WRAP_MIRROR = 2u;
+UINT_CONSTANT(WRAP_REPEAT, 0u)
+UINT_CONSTANT(WRAP_CLAMP, 1u)
+UINT_CONSTANT(WRAP_MIRROR, 2u)
 
 // A mip pyramid in the texel array. 16 bytes.
 struct Image {
@@ -107,9 +107,9 @@ struct Image {
     uint format;      // IMAGE_*
     uint pad0;
 };
-KERNEL_CONSTANT uint IMAGE_SRGB8 = 0u;    // RGBA8, colour is sRGB coded
-KERNEL_CONSTANT uint IMAGE_LINEAR8 = 1u;  // RGBA8, linear
-KERNEL_CONSTANT uint IMAGE_RGB9E5 = 2u;   // shared exponent, for environments
+UINT_CONSTANT(IMAGE_SRGB8, 0u)    // RGBA8, colour is sRGB coded
+UINT_CONSTANT(IMAGE_LINEAR8, 1u)  // RGBA8, linear
+UINT_CONSTANT(IMAGE_RGB9E5, 2u)   // shared exponent, for environments
 
 // One mip level: texel index of its first texel (row-major, top row first) and its size. 16 bytes.
 struct ImageLevel {
@@ -119,12 +119,12 @@ struct ImageLevel {
     uint pad0;
 };
 
-KERNEL_CONSTANT uint LIGHT_POINT = 0u;
-KERNEL_CONSTANT uint LIGHT_SPOT = 1u;
-KERNEL_CONSTANT uint LIGHT_DIRECTIONAL = 2u;
-KERNEL_CONSTANT uint LIGHT_HEADLIGHT = 3u;  // shines from the camera, no falloff
-KERNEL_CONSTANT uint FALLOFF_INVERSE_SQUARE = 0u;
-KERNEL_CONSTANT uint FALLOFF_LINEAR = 1u;   // max(1 - d / range, 0), as RayEngine's lights
+UINT_CONSTANT(LIGHT_POINT, 0u)
+UINT_CONSTANT(LIGHT_SPOT, 1u)
+UINT_CONSTANT(LIGHT_DIRECTIONAL, 2u)
+UINT_CONSTANT(LIGHT_HEADLIGHT, 3u)  // shines from the camera, no falloff
+UINT_CONSTANT(FALLOFF_INVERSE_SQUARE, 0u)
+UINT_CONSTANT(FALLOFF_LINEAR, 1u)   // max(1 - d / range, 0), as RayEngine's lights
 
 // 64 bytes.
 struct Light {

@@ -7,14 +7,14 @@
 //                         | surfaceAt, shadingAt -> emission, ambient that needs no rays, nextRays with their estimates,
 //                           then each light in order, then ambient that needs rays -> pop
 
-KERNEL_CONSTANT uint RAY_PRIMARY = 0u;
-KERNEL_CONSTANT uint RAY_REFLECTION = 1u;
-KERNEL_CONSTANT uint RAY_REFRACTION = 2u;
-KERNEL_CONSTANT uint MAX_ALPHA_LAYERS = 16u;   // blended surfaces in a row; the rest is estimated
-KERNEL_CONSTANT uint MAX_SHADOW_SURFACES = 64u; // transparent surfaces a shadow ray passes; more count as opaque
-KERNEL_CONSTANT uint NEXT_REFLECTION = 1u;
-KERNEL_CONSTANT uint NEXT_REFRACTION = 2u;
-KERNEL_CONSTANT uint NEXT_PASS = 4u;
+UINT_CONSTANT(RAY_PRIMARY, 0u)
+UINT_CONSTANT(RAY_REFLECTION, 1u)
+UINT_CONSTANT(RAY_REFRACTION, 2u)
+UINT_CONSTANT(MAX_ALPHA_LAYERS, 16u)   // blended surfaces in a row; the rest is estimated
+UINT_CONSTANT(MAX_SHADOW_SURFACES, 64u) // transparent surfaces a shadow ray passes; more count as opaque
+UINT_CONSTANT(NEXT_REFLECTION, 1u)
+UINT_CONSTANT(NEXT_REFRACTION, 2u)
+UINT_CONSTANT(NEXT_PASS, 4u)
 
 // A pending ray of the image. 64 bytes.
 struct PathState {
@@ -35,11 +35,11 @@ uint refractionDepth(uint depth) { return (depth >> 8) & 255u; }
 uint alphaDepth(uint depth) { return (depth >> 16) & 255u; }
 uint rayKindOf(uint depth) { return depth >> 24; }
 
-PathState startSample(uvec2 pixel, uint sampleIndex) {
+PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
     PathState p;
     vec2 jitter = pixelJitter(sampleIndex);
     p.origin = FRAME.camera.origin;
-    p.direction = cameraDirection(float(pixel.x) + jitter.x, float(pixel.y) + jitter.y);
+    p.direction = cameraDirection(float(int(pixel.x)) + jitter.x, float(int(pixel.y)) + jitter.y);
     p.throughput = vec3(1.0f, 1.0f, 1.0f);
     p.coneWidth = 0.0f;
     p.coneSpread = FRAME.camera.pixelSpread;
@@ -51,17 +51,21 @@ PathState startSample(uvec2 pixel, uint sampleIndex) {
 
 vec3 missRadiance(PathState p) { return p.throughput * environmentRadiance(p.direction, p.coneSpread); }
 
-// Weight that is left after travelling `distance` in the path's medium (Beer-Lambert). A ray that meets the inside of a
-// body without having entered it (a camera in the glass) has travelled in that body.
+vec3 absorbed(uint material, float distance) {
+    vec4 sigma = MATERIAL(material, absorption);
+    return vec3(expKernel(-sigma.x * distance), expKernel(-sigma.y * distance), expKernel(-sigma.z * distance));
+}
+
+// Weight that is left after travelling to the surface in the path's medium (Beer-Lambert). A ray that meets the inside of
+// a body without having entered it (a camera in the glass) has travelled in that body.
 vec3 mediumTransmittance(uint medium, Surface s) {
     vec3 one = vec3(1.0f, 1.0f, 1.0f);
     if (!HAS(EFFECT_ABSORPTION)) return one;
-    uint inside = medium;
-    if (inside == 0u && s.frontFace == 0u && (MATERIAL(s.material).flags & MATERIAL_VOLUME) != 0u) inside = s.material + 1u;
-    if (inside == 0u) return one;
-    vec4 sigma = MATERIAL(inside - 1u).absorption;
-    float d = max(s.distance, 0.0f);
-    return vec3(expKernel(-sigma.x * d), expKernel(-sigma.y * d), expKernel(-sigma.z * d));
+    bool unknown = medium == 0u && s.side < 0.0f && (MATERIAL(s.material, flags) & MATERIAL_VOLUME) != 0u;
+    uint inside = SELECT(unknown, s.material + 1u, medium);
+    bool some = inside != 0u;
+    if (ANY(some)) one = SELECT(some, absorbed(SELECT(some, inside - 1u, uint(0u)), max(s.distance, 0.0f)), one);
+    return one;
 }
 
 // ---- direct light ----
@@ -71,37 +75,35 @@ struct ShadowRay {
     vec3 contribution;  // to the pixel if nothing is in the way; 0 = no ray is needed
 };
 
-ShadowRay lightRay(uint index, Surface s, Shading m, vec3 wo, vec3 throughput) {
+ShadowRay lightRay(UNIFORM_UINT index, Surface s, Shading m, vec3 wo, vec3 throughput) {
     ShadowRay r;
     LightSample light = lightAt(index, s.position);
-    r.contribution = vec3(0.0f, 0.0f, 0.0f);
-    r.ray.tMax = 0.0f;
-    if (dot(s.geometricNormal, light.direction) <= 0.0f && dot(s.normal, light.direction) <= 0.0f) return r;
+    bool faces = dot(s.geometricNormal, light.direction) > 0.0f || dot(s.normal, light.direction) > 0.0f;
     vec3 reflected = reflectedLight(m, wo, light.direction) * light.irradiance;
-    r.contribution = throughput * reflected * m.alpha;
+    r.contribution = throughput * reflected * SELECT(faces, m.alpha, 0.0f);
     // The smooth surface bulges over its facets: rays start from there, so that facets do not shade themselves.
     r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal);
     r.ray.direction = light.direction;
-    r.ray.tMax = light.distance < FLOAT_MAX ? light.distance * 0.9999f : FLOAT_MAX;
+    r.ray.tMax = SELECT(light.distance < FLOAT_MAX, light.distance * 0.9999f, FLOAT_MAX);
     return r;
 }
 
-// Colour that one transparent surface lets through to a light; for the walk of shadow rays along their surfaces.
-// `inside`: distance travelled in the body that is left here, 0 when a body is entered.
-vec3 surfaceTransmittance(Surface s, vec3 direction, float inside) {
+// Colour that one transparent surface lets through to a light; for the walk of shadow rays along their surfaces. A ray
+// that leaves a body has travelled s.distance in it.
+vec3 surfaceTransmittance(Surface s, vec3 direction) {
     Shading m = shadingAt(s);
-    vec3 through = vec3(1.0f, 1.0f, 1.0f) * (1.0f - m.alpha);
-    if (HAS(EFFECT_REFRACTIONS) && m.transmission > 0.0f) {
-        float cosT;
-        float cosI = abs(dot(s.normal, direction));
-        float reflectance = m.mirror;
+    float pass = 1.0f - m.alpha;
+    vec3 through = vec3(pass, pass, pass);
+    if (HAS(EFFECT_REFRACTIONS)) {
         // Straight through: the same reflectance from both sides, so that no total reflection blackens the far side.
-        if (m.ior > 1.0f) reflectance = max(reflectance, fresnelDielectric(cosI, 1.0f / m.ior, cosT));
+        float cosT;
+        float f = fresnelDielectric(abs(dot(s.normal, direction)), 1.0f / max(m.ior, 1.0f), cosT);
+        float reflectance = max(m.mirror, f);
         through = through + m.tint * (m.alpha * m.transmission * (1.0f - reflectance));
     }
-    if (HAS(EFFECT_ABSORPTION) && inside > 0.0f && (m.flags & MATERIAL_VOLUME) != 0u) {
-        vec4 sigma = MATERIAL(s.material).absorption;
-        through = through * vec3(expKernel(-sigma.x * inside), expKernel(-sigma.y * inside), expKernel(-sigma.z * inside));
+    if (HAS(EFFECT_ABSORPTION)) {
+        bool leaves = s.side < 0.0f && (m.flags & MATERIAL_VOLUME) != 0u;
+        through = SELECT(leaves, through * absorbed(s.material, max(s.distance, 0.0f)), through);
     }
     return through;
 }
@@ -111,25 +113,24 @@ vec3 surfaceTransmittance(Surface s, vec3 direction, float inside) {
 // Contribution of the ambient light to the pixel where nothing hides it.
 vec3 ambientContribution(Shading m, vec3 wo, vec3 throughput) {
     vec3 ambient = m.diffuse * ambientLight(m.normal);
-    if ((m.flags & MATERIAL_PHONG) == 0u) {
+    bool phong = (m.flags & MATERIAL_PHONG) != 0u;
+    if (ANY(!phong)) {
         // What the specular lobe reflects is missing in the diffuse light. The smooth share of the lobe is followed by a
         // reflection ray (nextRays), the rough share sees the ambient light about the mirror direction.
         float followed = traceableShare(m.roughness);
-        float nDotV = saturate(dot(m.normal, wo));
-        vec3 lobe = followed < 1.0f ? environmentBrdf(m.f0, m.roughness, nDotV) * ((1.0f - followed) * (1.0f - m.transmission))
-                                    : vec3(0.0f, 0.0f, 0.0f);
-        vec3 mirror = followed > 0.0f ? fresnelSchlick(m.f0, nDotV) * followed : vec3(0.0f, 0.0f, 0.0f);
-        ambient = ambient * (vec3(1.0f, 1.0f, 1.0f) - lobe - mirror);
-        if (followed < 1.0f) {
-            vec3 r = m.normal * (2.0f * dot(m.normal, wo)) - wo;
-            ambient = ambient + lobe * ambientLight(r);
-        }
+        float cosine = dot(m.normal, wo);
+        float nDotV = saturate(cosine);
+        vec3 lobe = environmentBrdf(m.f0, m.roughness, nDotV) * ((1.0f - followed) * (1.0f - m.transmission));
+        vec3 mirror = fresnelSchlick(m.f0, nDotV) * followed;
+        vec3 r = m.normal * (2.0f * cosine) - wo;
+        vec3 rough = ambient * (vec3(1.0f, 1.0f, 1.0f) - lobe - mirror) + lobe * ambientLight(r);
+        ambient = SELECT(phong, ambient, rough);
     }
     return throughput * ambient * m.alpha;
 }
 
 // Number in the Sobol table of ray `index` of FRAME.aoSamples of sample `sampleIndex`.
-uint occlusionNumber(uint sampleIndex, uint index) {
+UNIFORM_UINT occlusionNumber(UNIFORM_UINT sampleIndex, UNIFORM_UINT index) {
     return (sampleIndex * FRAME.aoSamples + index) & (SOBOL_COUNT - 1u);
 }
 
@@ -154,16 +155,16 @@ bool needsOcclusion(vec3 ambient) {
            && maxComponent(ambient) > FRAME.contributionThreshold;
 }
 
-// Share of the ambient light that is left when `visible` of `count` rays found nothing.
-float occlusionVisibility(uint visible, uint count) {
-    float share = float(visible) / float(count);
+// Share of the ambient light that is left when `visible` of FRAME.aoSamples rays found nothing.
+float occlusionVisibility(uint visible) {
+    float share = float(int(visible)) / float(int(FRAME.aoSamples));
     if (FRAME.aoPower == 1.0f) return share;
     return powKernel(share, FRAME.aoPower);
 }
 
 // ---- secondary rays ----
 
-PathState continuedPath(PathState p, Surface s, vec3 direction, vec3 throughput, float side, uint branch) {
+PathState continuedPath(PathState p, Surface s, vec3 direction, vec3 throughput, float side, UNIFORM_UINT branch) {
     PathState next = p;
     next.origin = offsetRayOrigin(s.position, s.geometricNormal * side);
     next.direction = direction;
@@ -175,60 +176,91 @@ PathState continuedPath(PathState p, Surface s, vec3 direction, vec3 throughput,
 
 // What stands in for a ray that is not followed: the surroundings as seen that way. Never black.
 vec3 estimatedRadiance(vec3 direction, float spread, vec3 weight) {
-    if (!(maxComponent(weight) > FRAME.contributionThreshold)) return weight * ambientLight(direction);
-    return weight * environmentRadiance(direction, spread);
+    vec3 radiance = ambientLight(direction);
+    bool matters = maxComponent(weight) > FRAME.contributionThreshold;
+    if (ANY(matters)) radiance = SELECT(matters, environmentRadiance(direction, spread), radiance);
+    return weight * radiance;
 }
 
 // Adds one mirror ray, or its estimate where the depth, the threshold or the settings end it.
-uint followReflection(PathState p, Surface s, Shading m, vec3 weight, INOUT(PathState) next, INOUT(vec3) radiance) {
-    if (!(maxComponent(weight) > 0.0f)) return 0u;
-    float cosine = dot(m.normal, p.direction);
-    vec3 direction = p.direction - m.normal * (2.0f * cosine);
-    float above = dot(direction, s.geometricNormal);
-    if (above <= 0.0f) direction = normalize3(direction + s.geometricNormal * (0.01f - above));
+uint followReflection(PathState p, Surface s, Shading m, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
+    float share = maxComponent(weight);
+    vec3 direction = p.direction - m.normal * (2.0f * dot(m.normal, p.direction));
+    float above = dot(direction, s.geometricNormal);  // must stay outside
+    direction = SELECT(above > 0.0f, direction, normalize3(direction + s.geometricNormal * (0.01f - above)));
     bool follow = HAS(EFFECT_REFLECTIONS) && reflectionDepth(p.depth) < FRAME.maxReflections
-                  && maxComponent(weight) > FRAME.contributionThreshold;
-    if (!follow) {
-        radiance = radiance + estimatedRadiance(direction, p.coneSpread, weight);
-        return 0u;
-    }
+                  && share > FRAME.contributionThreshold;
+    bool ends = share > 0.0f && !follow;
+    if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, direction, weight, 1.0f, 1u);
     next.depth = ((p.depth + 1u) & 0x00ffffffu) | (RAY_REFLECTION << 24);
-    return NEXT_REFLECTION;
+    return SELECT(follow, uint(NEXT_REFLECTION), uint(0u));
 }
 
 uint followRefraction(PathState p, Surface s, Shading m, vec3 weight, float eta, float cosI, float cosT,
-                      INOUT(PathState) next, INOUT(vec3) radiance) {
-    if (!(maxComponent(weight) > 0.0f)) return 0u;
+                      OUT(PathState) next, INOUT(vec3) radiance) {
+    float share = maxComponent(weight);
     bool solid = (m.flags & MATERIAL_VOLUME) != 0u;
-    vec3 direction = p.direction;
-    if (solid) {
-        direction = normalize3(p.direction * eta + m.normal * (eta * cosI - cosT));
-        float above = dot(direction, s.geometricNormal);  // must leave on the far side
-        if (above >= 0.0f) direction = normalize3(direction - s.geometricNormal * (above + 0.01f));
-    }
+    vec3 bent = normalize3(p.direction * eta + m.normal * (eta * cosI - cosT));
+    float above = dot(bent, s.geometricNormal);  // must leave on the far side
+    bent = SELECT(above < 0.0f, bent, normalize3(bent - s.geometricNormal * (above + 0.01f)));
+    vec3 direction = SELECT(solid, bent, p.direction);
     bool follow = HAS(EFFECT_REFRACTIONS) && refractionDepth(p.depth) < FRAME.maxRefractions
-                  && maxComponent(weight) > FRAME.contributionThreshold;
-    if (!follow) {
-        radiance = radiance + estimatedRadiance(direction, p.coneSpread, weight);
-        return 0u;
-    }
+                  && share > FRAME.contributionThreshold;
+    bool ends = share > 0.0f && !follow;
+    if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, direction, weight, -1.0f, 2u);
     next.depth = ((p.depth + 256u) & 0x00ffffffu) | (RAY_REFRACTION << 24);
-    if (solid) next.medium = s.frontFace != 0u ? s.material + 1u : 0u;
-    return NEXT_REFRACTION;
+    next.medium = SELECT(solid, SELECT(s.side > 0.0f, s.material + 1u, uint(0u)), p.medium);
+    return SELECT(follow, uint(NEXT_REFRACTION), uint(0u));
 }
 
 // The part of the light that a blended surface lets straight through.
-uint followPass(PathState p, Surface s, vec3 weight, INOUT(PathState) next, INOUT(vec3) radiance) {
-    if (!(maxComponent(weight) > 0.0f)) return 0u;
-    if (alphaDepth(p.depth) >= MAX_ALPHA_LAYERS || !(maxComponent(weight) > FRAME.contributionThreshold)) {
-        radiance = radiance + estimatedRadiance(p.direction, p.coneSpread, weight);
-        return 0u;
-    }
+uint followPass(PathState p, Surface s, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
+    float share = maxComponent(weight);
+    bool follow = alphaDepth(p.depth) < MAX_ALPHA_LAYERS && share > FRAME.contributionThreshold;
+    bool ends = share > 0.0f && !follow;
+    if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(p.direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, p.direction, weight, -1.0f, 3u);
     next.depth = p.depth + 65536u;
-    return NEXT_PASS;
+    return SELECT(follow, uint(NEXT_PASS), uint(0u));
+}
+
+// Reflected share of the light that comes along the path, and what is transmitted of the rest.
+struct Split {
+    vec3 reflected;
+    float transmitted;
+    float eta;   // index of the near side over that of the far side
+    float cosI;
+    float cosT;
+};
+
+Split splitAt(PathState p, Surface s, Shading m) {
+    Split r;
+    r.cosI = saturate(-dot(m.normal, p.direction));
+    r.cosT = r.cosI;
+    r.eta = 1.0f;
+    r.transmitted = 0.0f;
+    r.reflected = vec3(m.mirror, m.mirror, m.mirror);
+    bool clear = m.transmission > 0.0f;
+    if (ANY(clear)) {
+        float ior = max(m.ior, 1.0e-3f);
+        bool inside = (m.flags & MATERIAL_VOLUME) != 0u && s.side < 0.0f;
+        float cosT;
+        r.eta = SELECT(inside, ior, 1.0f / ior);
+        float f = fresnelDielectric(r.cosI, r.eta, cosT);
+        f = max(SELECT(m.ior > 0.0f, f, 1.0f), m.mirror);
+        r.cosT = cosT;
+        // The clear share reflects as glass does; the opaque share keeps its own model's reflectance.
+        float glass = m.transmission * f;
+        vec3 both = r.reflected * (1.0f - m.transmission) + vec3(glass, glass, glass);
+        r.reflected = SELECT(clear, both, r.reflected);
+        r.transmitted = SELECT(clear, m.transmission * (1.0f - f), 0.0f);
+    }
+    bool phong = (m.flags & MATERIAL_PHONG) != 0u;
+    vec3 smooth_ = fresnelSchlick(m.f0, r.cosI) * (traceableShare(m.roughness) * (1.0f - m.transmission));
+    r.reflected = SELECT(phong, r.reflected, r.reflected + smooth_);
+    return r;
 }
 
 // The rays that go on from a hit, with weights that sum to at most 1: mirror reflection, transmission, and what passes a
@@ -236,30 +268,15 @@ uint followPass(PathState p, Surface s, vec3 weight, INOUT(PathState) next, INOU
 // order reflection, pass, refraction: the last one pushed is traced first.
 uint nextRays(PathState p, Surface s, Shading m, vec3 throughput, INOUT(PathState) reflection,
               INOUT(PathState) refraction, INOUT(PathState) pass, INOUT(vec3) radiance) {
-    uint next = 0u;
+    uint next = uint(0u);
+    Split split = splitAt(p, s, m);
     vec3 solid = throughput * m.alpha;
-    float cosI = saturate(-dot(m.normal, p.direction));
-    vec3 reflectance = vec3(m.mirror, m.mirror, m.mirror);
-    float cosT = cosI;
-    float eta = 1.0f;
-    float transmitted = 0.0f;
-    if (m.transmission > 0.0f) {
-        bool volume = (m.flags & MATERIAL_VOLUME) != 0u;
-        float ior = max(m.ior, 1.0e-3f);
-        eta = volume && s.frontFace == 0u ? ior : 1.0f / ior;
-        float f = m.ior > 0.0f ? fresnelDielectric(cosI, eta, cosT) : 1.0f;
-        f = max(f, m.mirror);
-        // Glass of any share reflects as glass does; the opaque share keeps its own model's reflectance below.
-        reflectance = vec3(f, f, f) * m.transmission + reflectance * (1.0f - m.transmission);
-        transmitted = m.transmission * (1.0f - f);
-    }
-    if ((m.flags & MATERIAL_PHONG) == 0u) {
-        vec3 opaque_ = fresnelSchlick(m.f0, cosI) * (traceableShare(m.roughness) * (1.0f - m.transmission));
-        reflectance = reflectance + opaque_;
-    }
-    next = next | followReflection(p, s, m, solid * reflectance, reflection, radiance);
-    if (m.alpha < 1.0f) next = next | followPass(p, s, throughput * (1.0f - m.alpha), pass, radiance);
-    next = next | followRefraction(p, s, m, solid * m.tint * transmitted, eta, cosI, cosT, refraction, radiance);
+    vec3 reflected = solid * split.reflected;
+    if (ANY(maxComponent(reflected) > 0.0f)) next = next | followReflection(p, s, m, reflected, reflection, radiance);
+    if (ANY(m.alpha < 1.0f)) next = next | followPass(p, s, throughput * (1.0f - m.alpha), pass, radiance);
+    vec3 transmitted = solid * m.tint * split.transmitted;
+    if (ANY(maxComponent(transmitted) > 0.0f))
+        next = next | followRefraction(p, s, m, transmitted, split.eta, split.cosI, split.cosT, refraction, radiance);
     return next;
 }
 

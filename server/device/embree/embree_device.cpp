@@ -1,5 +1,6 @@
 #include "server/device/embree/embree_device.h"
 
+#include "server/device/embree/embree_scene.h"
 #include "server/device/embree/tile_programs.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -27,9 +28,9 @@ double threadSeconds() {
 
 /// One thread's programs, made when first needed.
 struct Worker {
-    std::vector<std::unique_ptr<TileProgram>> programs{tileProgramCount()};
+    std::vector<std::unique_ptr<TileProgram>> programs{tileProgramTable().count};
     TileProgram& program(uint32_t index) {
-        if (!programs[index]) programs[index] = makeTileProgram(index);
+        if (!programs[index]) programs[index].reset(tileProgramTable().rows[index].make());
         return *programs[index];
     }
 };
@@ -48,7 +49,8 @@ public:
     DeviceInfo info() const override {
         DeviceInfo info;
         info.name = "embree";
-        info.details = "Embree " RTC_VERSION_STRING ", packets of " + std::to_string(width_);
+        info.details = "Embree " RTC_VERSION_STRING ", packets of " + std::to_string(width_) + ", shading built for x86-64-"
+                       + tileProgramTable().instructionSet;
         info.silicon = "cpu";
         info.workers = static_cast<uint32_t>(tbb::this_task_arena::max_concurrency());
         return info;
@@ -65,20 +67,25 @@ public:
                 std::stop_token stop) override {
         std::shared_ptr<EmbreeScene> scene = sceneFor(request.settings);
         FrameConstants frame = frameConstants(scene->scene(), request);
-        TraceOptions options;
+        TileJob common;
+        common.rtcScene = scene->handle();
+        common.view = &scene->view();
+        common.frame = &frame;
+        TraceOptions& options = common.options;
         options.primaryWidth = request.settings.primaryPackets ? width_ : 1;
         options.secondaryWidth = request.settings.secondaryPackets ? width_ : 1;
-        uint32_t program = chooseTileProgram(request.effects.bits);
+        uint32_t program = chooseTileProgram(tileProgramTable(), request.effects.bits);
         std::atomic<size_t> next{0};
         auto work = [&] {
             _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
             _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+            TileProgram& worker = workers_.local().program(program);
             for (size_t i; !stop.stop_requested() && (i = next.fetch_add(1)) < tiles.size();) {
                 TileResult result;
                 result.tile = tiles[i];
                 result.device = "embree";
                 double begin = threadSeconds();
-                workers_.local().program(program).render(*scene, frame, options, result);
+                renderTile(worker, common, result);
                 result.seconds = threadSeconds() - begin;
                 sink(std::move(result));
             }
@@ -87,6 +94,16 @@ public:
     }
 
 private:
+    static void renderTile(TileProgram& program, const TileJob& common, TileResult& result) {
+        TileJob job = common;
+        job.tile = result.tile;
+        result.radianceSum.assign(size_t(job.tile.size.x) * job.tile.size.y, vec4(0.0f));
+        job.radianceSum = result.radianceSum.data();
+        program.render(job);
+        for (size_t kind = 0; kind < result.rays.by.size(); kind++) result.rays.by[kind] = job.rays[kind];
+        result.nonfiniteSamples = job.nonfiniteSamples;
+    }
+
     // Runs `work` once on each of `threads` threads (0 = all cores); tiles are taken from a common counter in order.
     template <typename Work>
     void inArena(uint32_t threads, const Work& work) {

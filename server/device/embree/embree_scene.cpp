@@ -1,5 +1,7 @@
 #include "server/device/embree/embree_scene.h"
 
+#include "shaders/kernel/kernel.h"
+
 #include <stdexcept>
 
 namespace heliograph {
@@ -7,7 +9,8 @@ namespace heliograph {
 namespace {
 
 // The alpha test alone: what the filters need of the kernel.
-using AlphaKernel = kernel_baseline::Kernel<EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING>;
+constexpr uint32_t ALPHA_EFFECTS = EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING | EFFECT_SECOND_UV;
+using AlphaKernel = scalar_kernel::Kernel<ALPHA_EFFECTS>;
 
 RTCBuildQuality buildQuality(uint32_t quality) {
     if (quality == 0) return RTC_BUILD_QUALITY_LOW;
@@ -29,7 +32,7 @@ bool hitsHole(const RTCFilterFunctionNArguments* args, uint32_t i) {
                                  RTCHitN_instID(args->hit, args->N, i, 0));
     AlphaKernel kernel;
     kernel.scene = scene->view();
-    kernel.frame.effects = EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING;
+    kernel.frame.effects = ALPHA_EFFECTS;
     auto surface = kernel.surfaceAt(rayOrigin(*context->rays, lane), rayDirection(*context->rays, lane), 0.0f, 0.0f, hit);
     return kernel.isCutOut(surface);
 }

@@ -1,88 +1,208 @@
 #pragma once
-// Memory in which one thread renders tiles: rays in packets, pending paths, occlusion work. Allocated once, reused for
-// every tile.
+// Memory in which one thread renders tiles: paths and radiance as structures of arrays, occlusion rays in packets, pending
+// paths on stacks. Allocated once, reused for every tile. Part of the tile programs: no shared inline code.
 
-#include "server/device/embree/ray_packet.h"
-#include "shaders/kernel/kernel.h"
+#include "server/device/embree/tile_job.h"
+#include "shaders/kernel/kernel_lanes.h"
 
-#include <vector>
+#include <cstdlib>
+#include <cstring>
 
-namespace heliograph {
+namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
 constexpr uint32_t BLOCK_LANES = 1024;  // pixels in work at once: a 32x32 block fits the second-level cache
+constexpr uint32_t END = 0xffffffffu;
 
-/// Occlusion rays towards one light, packed without gaps in lane order.
-struct ShadowQueue {
-    std::vector<RTCRay16> packets;
-    std::vector<uint16_t> lanes;
-    std::vector<vec3> contributions;
-    uint32_t count = 0;
-
-    void reserve(uint32_t rays) {
-        packets.resize((rays + PACKET - 1) / PACKET);
-        lanes.resize(packets.size() * PACKET);
-        contributions.resize(packets.size() * PACKET);
-        count = 0;
-    }
-    void push(const Ray& ray, uint16_t lane, vec3 contribution) {
-        setRay(packets[count / PACKET], count % PACKET, ray.origin, ray.direction, ray.tMax);
-        lanes[count] = lane;
-        contributions[count] = contribution;
-        count++;
+/// Grows, never shrinks, does not initialise; 64-byte aligned.
+template <typename T>
+struct Buffer {
+    T* data = nullptr;
+    uint32_t capacity = 0;
+    Buffer() = default;
+    Buffer(const Buffer&) = delete;
+    Buffer& operator=(const Buffer&) = delete;
+    ~Buffer() { std::free(data); }
+    /// Makes room for `count` elements, keeping the first `kept`.
+    void reserve(uint32_t count, uint32_t kept = 0) {
+        if (count <= capacity) return;
+        size_t bytes = (size_t(count) * sizeof(T) + 63) / 64 * 64;
+        T* grown = static_cast<T*>(std::aligned_alloc(64, bytes));
+        if (!grown) std::abort();
+        if (kept) std::memcpy(static_cast<void*>(grown), data, size_t(kept) * sizeof(T));
+        std::free(data);
+        data = grown;
+        capacity = count;
     }
 };
 
-/// Points that need ambient occlusion, structure of arrays: sixteen neighbours make a packet per sample.
-struct OcclusionQueue {
-    struct alignas(64) Group {
-        float origin[3][PACKET];
-        float normal[3][PACKET];
-        float geometricNormal[3][PACKET];
-        float tangent[3][PACKET];
-        float bitangent[3][PACKET];
-        uint32_t shift[PACKET];
-        uint32_t visible[PACKET];
-        uint16_t lane[PACKET];
-        vec3 ambient[PACKET];
-    };
-    std::vector<Group> groups;
-    uint32_t count = 0;
+/// One value per pixel of the block in each array.
+struct alignas(64) PathArrays {
+    float origin[3][BLOCK_LANES];
+    float direction[3][BLOCK_LANES];
+    float throughput[3][BLOCK_LANES];
+    float coneWidth[BLOCK_LANES];
+    float coneSpread[BLOCK_LANES];
+    uint32_t depth[BLOCK_LANES];
+    uint32_t medium[BLOCK_LANES];
+    uint32_t salt[BLOCK_LANES];
 };
 
-/// Paths waiting on the pixels' stacks, as linked lists in one pool.
-template <typename Path>
+/// A path that waits.
+struct StoredPath {
+    float origin[3];
+    float direction[3];
+    float throughput[3];
+    float coneWidth;
+    float coneSpread;
+    uint32_t depth;
+    uint32_t medium;
+    uint32_t salt;
+    uint32_t below;  // next entry of the same pixel, END = none
+};
+
+/// The pixels' stacks of waiting paths: linked lists in one pool.
 struct PathStacks {
-    static constexpr uint32_t END = 0xffffffffu;
-    struct Entry { Path path; uint32_t below; };
-    std::vector<Entry> pool;
-    std::vector<uint32_t> free;
+    Buffer<StoredPath> pool;
+    uint32_t used = 0;
+    uint32_t freed = END;  // list of entries to use again
     uint32_t top[BLOCK_LANES];
 
     void clear(uint32_t lanes) {
-        pool.clear();
-        free.clear();
+        used = 0;
+        freed = END;
         for (uint32_t i = 0; i < lanes; i++) top[i] = END;
     }
-    void push(uint32_t lane, const Path& path) {
-        uint32_t index;
-        if (free.empty()) {
-            index = static_cast<uint32_t>(pool.size());
-            pool.push_back({path, top[lane]});
+    StoredPath& push(uint32_t lane) {
+        uint32_t index = freed;
+        if (index != END) {
+            freed = pool.data[index].below;
         } else {
-            index = free.back();
-            free.pop_back();
-            pool[index] = {path, top[lane]};
+            index = used++;
+            if (index >= pool.capacity) pool.reserve(index < 1024 ? 2048 : index * 2, index);
         }
+        pool.data[index].below = top[lane];
         top[lane] = index;
+        return pool.data[index];
     }
-    bool pop(uint32_t lane, Path& path) {
+    /// The topmost entry, taken off; null if there is none. Valid until the next push.
+    const StoredPath* pop(uint32_t lane) {
         uint32_t index = top[lane];
-        if (index == END) return false;
-        path = pool[index].path;
-        top[lane] = pool[index].below;
-        free.push_back(index);
-        return true;
+        if (index == END) return nullptr;
+        StoredPath* entry = &pool.data[index];
+        top[lane] = entry->below;
+        entry->below = freed;
+        freed = index;
+        return entry;
     }
 };
 
-}  // namespace heliograph
+/// Rays towards one light, packed without gaps in lane order, with what each adds to its pixel.
+struct ShadowQueue {
+    Buffer<RTCRay16> packets;
+    Buffer<uint16_t> lanes;
+    Buffer<float> contribution[3];
+    uint32_t count = 0;
+    void reserve(uint32_t rays) {
+        uint32_t rounded = (rays + PACKET - 1) / PACKET * PACKET;
+        packets.reserve(rounded / PACKET);
+        lanes.reserve(rounded);
+        for (Buffer<float>& c : contribution) c.reserve(rounded);
+        count = 0;
+    }
+};
+
+/// Sixteen points that need ambient occlusion: a packet per sample.
+struct alignas(64) OcclusionGroup {
+    float origin[3][PACKET];
+    float normal[3][PACKET];
+    float geometricNormal[3][PACKET];
+    float ambient[3][PACKET];
+    uint32_t shift[PACKET];
+    uint32_t visible[PACKET];
+    uint16_t lane[PACKET];
+};
+
+struct Arena {
+    PathArrays path;
+    alignas(64) float radiance[3][BLOCK_LANES];
+    alignas(64) uint32_t instance[BLOCK_LANES];
+    alignas(64) uint32_t primitive[BLOCK_LANES];
+    alignas(64) uint32_t pixelX[BLOCK_LANES];
+    alignas(64) uint32_t pixelY[BLOCK_LANES];
+    uint16_t active[BLOCK_LANES + PACKET];
+    uint16_t hits[BLOCK_LANES + PACKET];
+    uint16_t misses[BLOCK_LANES + PACKET];
+    uint32_t activeCount = 0;
+    PathStacks stacks;
+    Buffer<ShadowQueue*> shadows;
+    uint32_t shadowQueues = 0;
+    Buffer<OcclusionGroup> occlusion;
+    uint32_t occlusionCount = 0;
+    RTCRayHit16 packet;
+
+    Arena() = default;
+    ~Arena() {
+        for (uint32_t i = 0; i < shadowQueues; i++) delete shadows.data[i];
+    }
+};
+
+// ---- loads and stores of arrays with one value per pixel, for the pixels of a group ----
+
+/// LANES pixels of the block, the last one repeated where there are fewer.
+struct Group {
+    Uint lane;
+    uint32_t count;
+    uint32_t first;    // lane of the first
+    bool contiguous;   // lanes first, first + 1, ...
+
+    static HELIOGRAPH_INLINE Group of(const uint16_t* lanes, uint32_t count) {
+        Group g;
+        g.count = count < uint32_t(LANES) ? count : uint32_t(LANES);
+        g.first = lanes[0];
+        g.contiguous = g.count == uint32_t(LANES) && lanes[LANES - 1] == lanes[0] + LANES - 1;
+        for (int i = 0; i < LANES; i++) g.lane.v[i] = lanes[uint32_t(i) < g.count ? uint32_t(i) : g.count - 1];
+        return g;
+    }
+    HELIOGRAPH_INLINE Float load(const float* values) const {
+        VectorFloat v;
+        if (contiguous) {
+            std::memcpy(&v, values + first, sizeof v);
+            return Float(v);
+        }
+        return Float((VectorFloat)gatherWords(values, lane, 4));
+    }
+    HELIOGRAPH_INLINE Uint load(const uint32_t* values) const {
+        VectorUint v;
+        if (contiguous) {
+            std::memcpy(&v, values + first, sizeof v);
+            return Uint(v);
+        }
+        return Uint((VectorUint)gatherWords(values, lane, 4));
+    }
+    HELIOGRAPH_INLINE Vec3 load(const float (&values)[3][BLOCK_LANES]) const {
+        return {load(values[0]), load(values[1]), load(values[2])};
+    }
+    HELIOGRAPH_INLINE void store(float* values, Float x) const {
+        if (contiguous) {
+            std::memcpy(values + first, &x.v, sizeof x.v);
+            return;
+        }
+        for (uint32_t i = 0; i < count; i++) values[lane.v[i]] = x.v[i];
+    }
+    HELIOGRAPH_INLINE void store(uint32_t* values, Uint x) const {
+        if (contiguous) {
+            std::memcpy(values + first, &x.v, sizeof x.v);
+            return;
+        }
+        for (uint32_t i = 0; i < count; i++) values[lane.v[i]] = x.v[i];
+    }
+    HELIOGRAPH_INLINE void store(float (&values)[3][BLOCK_LANES], Vec3 x) const {
+        store(values[0], x.x);
+        store(values[1], x.y);
+        store(values[2], x.z);
+    }
+    /// Bits of the lanes that count.
+    HELIOGRAPH_INLINE uint32_t mask() const { return count >= 32 ? ~0u : (1u << count) - 1u; }
+};
+
+}  // namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE

@@ -1,26 +1,14 @@
 #pragma once
-// The tile driver compiled for several effect sets, and the choice among them: the smallest one that covers a request.
+// The choice among the compiled tile programs: the instruction set once at start, the effect set per request.
 
-#include "server/device/embree/embree_scene.h"
-#include "server/device/embree/tile_tracer.h"
-
-#include <functional>
-#include <memory>
+#include "server/device/embree/tile_job.h"
 
 namespace heliograph {
 
-/// Renders one tile: fills radianceSum, rays and nonfiniteSamples of `result`, whose tile is given. Not thread safe: each
-/// thread owns one.
-class TileProgram {
-public:
-    virtual ~TileProgram() = default;
-    virtual void render(const EmbreeScene& scene, const FrameConstants& frame, TraceOptions options, TileResult& result) = 0;
-};
+/// The table for this processor. HELIOGRAPH_ISA=v2|v3|v4 asks for another one that the processor can run.
+const TileProgramTable& tileProgramTable();
 
-/// Number of compiled programs.
-uint32_t tileProgramCount();
-/// The program with the fewest effects that can do `effects`.
-uint32_t chooseTileProgram(uint32_t effects);
-std::unique_ptr<TileProgram> makeTileProgram(uint32_t index);
+/// Index of the program with the fewest effects that can do `effects`.
+uint32_t chooseTileProgram(const TileProgramTable& table, uint32_t effects);
 
 }  // namespace heliograph

@@ -1,296 +1,467 @@
 #pragma once
 // The driver that runs the kernel's stages over a block of pixels: traces the rays of all pixels together, in packets,
-// and keeps each pixel's pending rays on a stack, so that every pixel sums its contributions in the kernel's order
-// whatever the block or packet size. No shading maths here.
+// shades LANES points at a time, and keeps each pixel's pending rays on a stack, so that every pixel sums its
+// contributions in the kernel's order whatever the block, packet or lane count. No shading maths here.
 
-#include "server/device/embree/embree_scene.h"
 #include "server/device/embree/tile_arena.h"
-#include "server/render/tile.h"
 
-#include <algorithm>
-
-namespace heliograph {
-
-struct TraceOptions {
-    uint32_t primaryWidth = 16;    // packet width of camera and shadow rays; 1 = one by one
-    uint32_t secondaryWidth = 16;  // of all others
-};
+namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
 template <uint32_t EFFECTS>
 class TileTracer {
 public:
-    using KernelType = kernel_baseline::Kernel<EFFECTS>;
+    using KernelType = Kernel<EFFECTS>;
     using Path = typename KernelType::PathState;
     using Surface = typename KernelType::Surface;
     using Shading = typename KernelType::Shading;
 
-    /// Memory of one thread; may be reused by any later tracer of the same type.
-    struct Arena {
-        Path path[BLOCK_LANES];
-        Hit hit[BLOCK_LANES];
-        vec3 radiance[BLOCK_LANES];
-        uvec2 pixel[BLOCK_LANES];
-        std::vector<uint16_t> active;
-        PathStacks<Path> stacks;
-        std::vector<ShadowQueue> shadows;
-        OcclusionQueue occlusion;
-        RTCRayHit16 packet;
-    };
-
-    TileTracer(const EmbreeScene& scene, const FrameConstants& frame, TraceOptions options, Arena& arena)
-        : scene_(scene), options_(options), arena_(arena) {
-        kernel_.scene = scene.view();
-        kernel_.frame = frame;
+    TileTracer(TileJob& job, Arena& arena) : job_(job), arena_(arena) {
+        kernel_.scene = *job.view;
+        kernel_.frame = *job.frame;
+        while (arena_.shadowQueues < kernel_.frame.lightCount) {
+            arena_.shadows.reserve(arena_.shadowQueues + 16, arena_.shadowQueues);
+            arena_.shadows.data[arena_.shadowQueues++] = new ShadowQueue();
+        }
     }
 
-    void render(TileResult& result) {
-        const Tile& tile = result.tile;
-        result.radianceSum.assign(size_t(tile.size.x) * tile.size.y, vec4(0.0f));
+    void render() {
+        const Tile& tile = job_.tile;
         for (uint32_t sample = tile.firstSample; sample < tile.firstSample + tile.sampleCount; sample++)
             for (uint32_t y = 0; y < tile.size.y; y += 32)
                 for (uint32_t x = 0; x < tile.size.x; x += 32)
-                    renderBlock(result, uvec2(x, y), min2(uvec2(32), tile.size - uvec2(x, y)), sample);
-        result.rays = rays_;
+                    renderBlock(x, y, lesser(32u, tile.size.x - x), lesser(32u, tile.size.y - y), sample);
     }
 
 private:
-    static uvec2 min2(uvec2 a, uvec2 b) { return {std::min(a.x, b.x), std::min(a.y, b.y)}; }
+    static HELIOGRAPH_INLINE uint32_t lesser(uint32_t a, uint32_t b) { return a < b ? a : b; }
+    void count(RayKind kind, uint64_t rays) { job_.rays[static_cast<size_t>(kind)] += rays; }
 
-    void renderBlock(TileResult& result, uvec2 corner, uvec2 size, uint32_t sample) {
-        uint32_t lanes = placeLanes(result.tile.origin + corner, size);
+    void renderBlock(uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t sample) {
+        uint32_t lanes = placeLanes(job_.tile.origin.x + x, job_.tile.origin.y + y, width, height);
         sample_ = sample;
         secondary_ = false;
         arena_.stacks.clear(lanes);
-        arena_.active.resize(lanes);
-        for (uint32_t lane = 0; lane < lanes; lane++) {
-            arena_.active[lane] = static_cast<uint16_t>(lane);
-            arena_.path[lane] = kernel_.startSample(arena_.pixel[lane], sample);
-            arena_.radiance[lane] = vec3(0.0f);
-        }
-        while (!arena_.active.empty()) {
+        startPaths(lanes);
+        while (arena_.activeCount > 0) {
             traceActive();
-            shadeActive();
+            shadeMisses();
+            shadeHits();
             popNext(lanes);
             secondary_ = true;
         }
-        collect(result, lanes);
+        collect(lanes);
     }
 
     // Pixels in 4x4 groups, so that a packet looks through a square.
-    uint32_t placeLanes(uvec2 origin, uvec2 size) {
+    uint32_t placeLanes(uint32_t left, uint32_t top, uint32_t width, uint32_t height) {
         uint32_t lanes = 0;
-        for (uint32_t y = 0; y < size.y; y += 4)
-            for (uint32_t x = 0; x < size.x; x += 4)
-                for (uint32_t j = y; j < std::min(y + 4, size.y); j++)
-                    for (uint32_t i = x; i < std::min(x + 4, size.x); i++) arena_.pixel[lanes++] = origin + uvec2(i, j);
+        for (uint32_t y = 0; y < height; y += 4)
+            for (uint32_t x = 0; x < width; x += 4)
+                for (uint32_t j = y; j < lesser(y + 4, height); j++)
+                    for (uint32_t i = x; i < lesser(x + 4, width); i++) {
+                        arena_.pixelX[lanes] = left + i;
+                        arena_.pixelY[lanes++] = top + j;
+                    }
         return lanes;
     }
 
-    void popNext(uint32_t lanes) {
-        arena_.active.clear();
-        for (uint32_t lane = 0; lane < lanes; lane++)
-            if (arena_.stacks.pop(lane, arena_.path[lane])) arena_.active.push_back(static_cast<uint16_t>(lane));
+    void startPaths(uint32_t lanes) {
+        for (uint32_t i = 0; i < lanes; i++) arena_.active[i] = static_cast<uint16_t>(i);
+        arena_.activeCount = lanes;
+        for (uint32_t first = 0; first < lanes; first += LANES) {
+            Group g = Group::of(arena_.active + first, lanes - first);
+            storePath(g, kernel_.startSample(Uvec2(g.load(arena_.pixelX), g.load(arena_.pixelY)), sample_));
+            g.store(arena_.radiance, Vec3(glm::vec3(0.0f)));
+        }
     }
 
-    TraceMode mode(bool coherent) const {
-        return {secondary_ || !coherent ? options_.secondaryWidth : options_.primaryWidth, coherent && !secondary_};
+    HELIOGRAPH_INLINE void storePath(const Group& g, const Path& path) {
+        PathArrays& to = arena_.path;
+        g.store(to.origin, path.origin);
+        g.store(to.direction, path.direction);
+        g.store(to.throughput, path.throughput);
+        g.store(to.coneWidth, path.coneWidth);
+        g.store(to.coneSpread, path.coneSpread);
+        g.store(to.depth, path.depth);
+        g.store(to.medium, path.medium);
+        g.store(to.salt, path.salt);
+    }
+
+    HELIOGRAPH_INLINE Path loadPath(const Group& g) const {
+        const PathArrays& from = arena_.path;
+        Path path;
+        path.origin = g.load(from.origin);
+        path.direction = g.load(from.direction);
+        path.throughput = g.load(from.throughput);
+        path.coneWidth = g.load(from.coneWidth);
+        path.coneSpread = g.load(from.coneSpread);
+        path.depth = g.load(from.depth);
+        path.medium = g.load(from.medium);
+        path.salt = g.load(from.salt);
+        return path;
+    }
+
+    void popNext(uint32_t lanes) {
+        arena_.activeCount = 0;
+        if (arena_.stacks.used == 0) return;
+        for (uint32_t lane = 0; lane < lanes; lane++) {
+            const StoredPath* stored = arena_.stacks.pop(lane);
+            if (!stored) continue;
+            PathArrays& path = arena_.path;
+            for (int axis = 0; axis < 3; axis++) {
+                path.origin[axis][lane] = stored->origin[axis];
+                path.direction[axis][lane] = stored->direction[axis];
+                path.throughput[axis][lane] = stored->throughput[axis];
+            }
+            path.coneWidth[lane] = stored->coneWidth;
+            path.coneSpread[lane] = stored->coneSpread;
+            path.depth[lane] = stored->depth;
+            path.medium[lane] = stored->medium;
+            path.salt[lane] = stored->salt;
+            arena_.active[arena_.activeCount++] = static_cast<uint16_t>(lane);
+        }
+    }
+
+    // Camera rays and the shadow rays at their hits go through like space together; the others don't.
+    TraceMode mode() const {
+        return {secondary_ ? job_.options.secondaryWidth : job_.options.primaryWidth, !secondary_};
     }
 
     void traceActive() {
         RTCRayHit16& packet = arena_.packet;
-        uint32_t total = static_cast<uint32_t>(arena_.active.size());
-        for (uint32_t first = 0; first < total; first += PACKET) {
-            uint32_t count = std::min(PACKET, total - first);
+        hitCount_ = 0;
+        missCount_ = 0;
+        for (uint32_t first = 0; first < arena_.activeCount; first += PACKET) {
+            const uint16_t* lanes = arena_.active + first;
+            uint32_t count = lesser(PACKET, arena_.activeCount - first);
+            fillPacket(packet.ray, lanes, count);
+            traceClosest(job_.rtcScene, packet, count, mode());
             for (uint32_t i = 0; i < count; i++) {
-                const Path& path = arena_.path[arena_.active[first + i]];
-                setRay(packet.ray, i, path.origin, path.direction, KernelType::FLOAT_MAX);
-                if (!secondary_) rays_[RayKind::primary]++;
-                else rays_[kernel_.rayKindOf(path.depth) == KernelType::RAY_REFLECTION ? RayKind::reflection
-                                                                                         : RayKind::refraction]++;
+                bool instanced = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
+                uint32_t instance = instanced ? packet.hit.instID[0][i] : packet.hit.geomID[i];
+                arena_.instance[lanes[i]] = instance;
+                arena_.primitive[lanes[i]] = packet.hit.primID[i];
+                bool hit = instance != NO_INDEX;
+                arena_.hits[hitCount_] = lanes[i];
+                arena_.misses[missCount_] = lanes[i];
+                hitCount_ += hit;
+                missCount_ += !hit;
             }
-            traceClosest(scene_.handle(), packet, count, mode(true));
-            for (uint32_t i = 0; i < count; i++)
-                arena_.hit[arena_.active[first + i]] =
-                    EmbreeScene::hitOf(packet.hit.geomID[i], packet.hit.primID[i], packet.hit.instID[0][i]);
         }
+        countActive();
     }
 
-    void shadeActive() {
-        uint32_t lights = kernel_.frame.lightCount;
-        uint32_t total = static_cast<uint32_t>(arena_.active.size());
-        // Many lights take the lanes in smaller groups, so that the queues stay small.
-        uint32_t group = std::clamp(8192u / std::max(lights, 1u), PACKET, BLOCK_LANES);
-        if (arena_.shadows.size() < lights) arena_.shadows.resize(lights);
-        for (uint32_t l = 0; l < lights; l++) arena_.shadows[l].reserve(std::min(group, total));
-        for (uint32_t first = 0; first < total; first += group) {
-            for (uint32_t l = 0; l < lights; l++) arena_.shadows[l].count = 0;
-            arena_.occlusion.count = 0;
-            for (uint32_t i = first; i < std::min(first + group, total); i++) shadeLane(arena_.active[i]);
-            for (uint32_t l = 0; l < lights; l++) traceShadows(arena_.shadows[l]);
-            traceOcclusion();
-        }
-    }
-
-    // The stages of one hit up to its occlusion rays.
-    void shadeLane(uint16_t lane) {
-        const Path& path = arena_.path[lane];
-        vec3& radiance = arena_.radiance[lane];
-        if (arena_.hit[lane].instance == NO_INDEX) {
-            radiance += kernel_.missRadiance(path);
+    void countActive() {
+        if (!secondary_) {
+            count(RayKind::primary, arena_.activeCount);
             return;
         }
-        Surface s = kernel_.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, arena_.hit[lane]);
-        Shading m = kernel_.shadingAt(s);
-        vec3 wo = -path.direction;
-        vec3 throughput = path.throughput * kernel_.mediumTransmittance(path.medium, s);
-        radiance += kernel_.emittedRadiance(m, throughput);
-        vec3 ambient = kernel_.ambientContribution(m, wo, throughput);
-        if (kernel_.needsOcclusion(ambient)) pushOcclusion(lane, path, s, m, ambient);
-        else radiance += ambient;
-        pushNext(lane, path, s, m, throughput);
-        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
-            auto shadow = kernel_.lightRay(l, s, m, wo, throughput);
-            if (!(kernel_.maxComponent(shadow.contribution) > 0.0f)) continue;
-            arena_.shadows[l].push(shadow.ray, lane, shadow.contribution);
-        }
+        for (uint32_t i = 0; i < arena_.activeCount; i++)
+            count(arena_.path.depth[arena_.active[i]] >> 24 == KernelType::RAY_REFLECTION ? RayKind::reflection
+                                                                                        : RayKind::refraction, 1);
     }
 
-    void pushNext(uint16_t lane, const Path& path, const Surface& s, const Shading& m, vec3 throughput) {
-        Path reflection, refraction, pass;
-        uint32_t next = kernel_.nextRays(path, s, m, throughput, reflection, refraction, pass, arena_.radiance[lane]);
-        if (next == 0) return;
-        if (next & KernelType::NEXT_REFLECTION) arena_.stacks.push(lane, reflection);
-        if (next & KernelType::NEXT_PASS) arena_.stacks.push(lane, pass);
-        if (next & KernelType::NEXT_REFRACTION) arena_.stacks.push(lane, refraction);
-    }
-
-    void traceShadows(ShadowQueue& queue) {
-        bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0;
-        for (uint32_t first = 0; first < queue.count; first += PACKET) {
-            uint32_t count = std::min(PACKET, queue.count - first);
-            uint32_t blocked = 0;
-            uint32_t passed = 0;
-            if (traced) {
-                blocked = traceOccluded(scene_.handle(), queue.packets[first / PACKET], count, mode(true), passed);
-                rays_[RayKind::shadow] += count;
-            }
+    void fillPacket(RTCRay16& rays, const uint16_t* lanes, uint32_t count) {
+        const PathArrays& path = arena_.path;
+        if (count == PACKET && lanes[PACKET - 1] == lanes[0] + PACKET - 1) {
+            std::memcpy(rays.org_x, path.origin[0] + lanes[0], sizeof rays.org_x);
+            std::memcpy(rays.org_y, path.origin[1] + lanes[0], sizeof rays.org_x);
+            std::memcpy(rays.org_z, path.origin[2] + lanes[0], sizeof rays.org_x);
+            std::memcpy(rays.dir_x, path.direction[0] + lanes[0], sizeof rays.org_x);
+            std::memcpy(rays.dir_y, path.direction[1] + lanes[0], sizeof rays.org_x);
+            std::memcpy(rays.dir_z, path.direction[2] + lanes[0], sizeof rays.org_x);
+        } else {
             for (uint32_t i = 0; i < count; i++) {
-                if (blocked >> i & 1u) continue;
-                vec3 contribution = queue.contributions[first + i];
-                if (passed >> i & 1u) contribution *= transmittance(queue.packets[first / PACKET], i);
-                arena_.radiance[queue.lanes[first + i]] += contribution;
+                rays.org_x[i] = path.origin[0][lanes[i]];
+                rays.org_y[i] = path.origin[1][lanes[i]];
+                rays.org_z[i] = path.origin[2][lanes[i]];
+                rays.dir_x[i] = path.direction[0][lanes[i]];
+                rays.dir_y[i] = path.direction[1][lanes[i]];
+                rays.dir_z[i] = path.direction[2][lanes[i]];
             }
         }
+        setConstants(rays, KernelType::FLOAT_MAX);
     }
 
-    // Walks a shadow ray that nothing opaque blocks through its transparent surfaces, nearest first.
-    vec3 transmittance(const RTCRay16& rays, uint32_t lane) {
-        vec3 origin = rayOrigin(rays, lane);
-        vec3 direction = rayDirection(rays, lane);
-        float left = rays.tfar[lane];
-        vec3 through(1.0f);
-        RTCRayHit16 packet;
-        for (uint32_t step = 0; step < KernelType::MAX_SHADOW_SURFACES; step++) {
-            setRay(packet.ray, 0, origin, direction, left, MASK_TRANSPARENT);
-            traceClosest(scene_.handle(), packet, 1, {1, false});
-            rays_[RayKind::shadow]++;
-            Hit hit = EmbreeScene::hitOf(packet.hit.geomID[0], packet.hit.primID[0], packet.hit.instID[0][0]);
-            if (hit.instance == NO_INDEX) return through;
-            Surface s = kernel_.surfaceAt(origin, direction, 0.0f, 0.0f, hit);
-            through *= kernel_.surfaceTransmittance(s, direction, s.frontFace != 0u ? 0.0f : s.distance);
-            if (!(kernel_.maxComponent(through) > 0.0f)) return vec3(0.0f);
-            left -= s.distance;
-            if (!(left > 0.0f)) return through;
-            origin = kernel_.offsetRayOrigin(s.position, -s.geometricNormal);
-        }
-        return vec3(0.0f);
-    }
-
-    void pushOcclusion(uint16_t lane, const Path& path, const Surface& s, const Shading& m, vec3 ambient) {
-        OcclusionQueue& queue = arena_.occlusion;
-        if (queue.count / PACKET >= queue.groups.size()) queue.groups.emplace_back();
-        OcclusionQueue::Group& group = queue.groups[queue.count / PACKET];
-        uint32_t i = queue.count % PACKET;
-        vec3 origin = kernel_.offsetRayOrigin(s.position, s.geometricNormal);
-        vec3 tangent, bitangent;
-        kernel_.orthonormalBasis(m.normal, tangent, bitangent);
-        for (int axis = 0; axis < 3; axis++) {
-            group.origin[axis][i] = origin[axis];
-            group.normal[axis][i] = m.normal[axis];
-            group.geometricNormal[axis][i] = s.geometricNormal[axis];
-            group.tangent[axis][i] = tangent[axis];
-            group.bitangent[axis][i] = bitangent[axis];
-        }
-        group.shift[i] = kernel_.occlusionShift(arena_.pixel[lane], path.salt);
-        group.lane[i] = lane;
-        group.ambient[i] = ambient;
-        queue.count++;
-    }
-
-    void traceOcclusion() {
-        OcclusionQueue& queue = arena_.occlusion;
-        uint32_t samples = kernel_.frame.aoSamples;
-        RTCRay16& rays = arena_.packet.ray;
-        for (uint32_t first = 0; first < queue.count; first += PACKET) {
-            OcclusionQueue::Group& group = queue.groups[first / PACKET];
-            uint32_t count = std::min(PACKET, queue.count - first);
-            for (uint32_t i = 0; i < PACKET; i++) group.visible[i] = 0;
-            for (uint32_t index = 0; index < samples; index++) {
-                aimOcclusion(group, kernel_.scene.sobol[kernel_.occlusionNumber(sample_, index)], rays);
-                uint32_t passed = 0;
-                uint32_t blocked = traceOccluded(scene_.handle(), rays, count, {options_.secondaryWidth, false}, passed);
-                for (uint32_t i = 0; i < PACKET; i++) group.visible[i] += 1u - (blocked >> i & 1u);
-            }
-            rays_[RayKind::ambientOcclusion] += uint64_t(samples) * count;
-            for (uint32_t i = 0; i < count; i++)
-                arena_.radiance[group.lane[i]] += group.ambient[i] * kernel_.occlusionVisibility(group.visible[i], samples);
-        }
-    }
-
-    void aimOcclusion(const OcclusionQueue::Group& g, uvec2 point, RTCRay16& rays) {
-        float distance = kernel_.frame.aoDistance;
+    static HELIOGRAPH_INLINE void setConstants(RTCRay16& rays, float tMax) {
         for (uint32_t i = 0; i < PACKET; i++) {
-            vec3 d = kernel_.occlusionDirection(point, g.shift[i], vec3(g.normal[0][i], g.normal[1][i], g.normal[2][i]),
-                                                vec3(g.geometricNormal[0][i], g.geometricNormal[1][i], g.geometricNormal[2][i]),
-                                                vec3(g.tangent[0][i], g.tangent[1][i], g.tangent[2][i]),
-                                                vec3(g.bitangent[0][i], g.bitangent[1][i], g.bitangent[2][i]));
-            rays.dir_x[i] = d.x;
-            rays.dir_y[i] = d.y;
-            rays.dir_z[i] = d.z;
-        }
-        for (uint32_t i = 0; i < PACKET; i++) {
-            rays.org_x[i] = g.origin[0][i];
-            rays.org_y[i] = g.origin[1][i];
-            rays.org_z[i] = g.origin[2][i];
             rays.tnear[i] = 0.0f;
             rays.time[i] = 0.0f;
-            rays.tfar[i] = distance;
+            rays.tfar[i] = tMax;
             rays.mask[i] = 0xffffffffu;
             rays.id[i] = i;
             rays.flags[i] = 0;
         }
     }
 
-    void collect(TileResult& result, uint32_t lanes) {
-        for (uint32_t lane = 0; lane < lanes; lane++) {
-            vec3 radiance = arena_.radiance[lane];
-            if (!kernel_.isFinite3(radiance)) {
-                result.nonfiniteSamples++;
-                continue;
-            }
-            uvec2 at = arena_.pixel[lane] - result.tile.origin;
-            float y = kernel_.luminance(radiance);
-            result.radianceSum[size_t(at.y) * result.tile.size.x + at.x] += vec4(radiance, y * y);
+    void shadeMisses() {
+        for (uint32_t first = 0; first < missCount_; first += LANES) {
+            Group g = Group::of(arena_.misses + first, missCount_ - first);
+            g.store(arena_.radiance, g.load(arena_.radiance) + kernel_.missRadiance(loadPath(g)));
         }
     }
 
-    const EmbreeScene& scene_;
-    TraceOptions options_;
+    void shadeHits() {
+        uint32_t lights = kernel_.frame.lightCount;
+        // Many lights take the points in smaller runs, so that the queues stay small.
+        uint32_t run = lights > 8 ? lesser(BLOCK_LANES, (8192u / lights + PACKET) / PACKET * PACKET) : BLOCK_LANES;
+        for (uint32_t l = 0; l < lights; l++) arena_.shadows.data[l]->reserve(lesser(run, hitCount_));
+        for (uint32_t first = 0; first < hitCount_; first += run) {
+            uint32_t end = lesser(first + run, hitCount_);
+            for (uint32_t l = 0; l < lights; l++) arena_.shadows.data[l]->count = 0;
+            arena_.occlusionCount = 0;
+            for (uint32_t i = first; i < end; i += LANES) shadeGroup(Group::of(arena_.hits + i, end - i));
+            for (uint32_t l = 0; l < lights; l++) traceShadows(*arena_.shadows.data[l]);
+            traceOcclusion();
+        }
+    }
+
+    // The stages of LANES hits up to their occlusion rays.
+    void shadeGroup(const Group g) {
+        Path path = loadPath(g);
+        HitLanes hit;
+        hit.instance = g.load(arena_.instance);
+        hit.primitive = g.load(arena_.primitive);
+        Surface s = kernel_.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
+        Shading m = kernel_.shadingAt(s);
+        Vec3 wo = -path.direction;
+        Vec3 throughput = path.throughput * kernel_.mediumTransmittance(path.medium, s);
+        Vec3 radiance = g.load(arena_.radiance) + kernel_.emittedRadiance(m, throughput);
+        Vec3 ambient = kernel_.ambientContribution(m, wo, throughput);
+        Bool occlusion = kernel_.needsOcclusion(ambient);
+        radiance = select(occlusion, radiance, radiance + ambient);
+        if (uint32_t bits = laneBits(occlusion) & g.mask()) pushOcclusion(g, bits, path, s, m, ambient);
+        pushNext(g, path, s, m, throughput, radiance);
+        g.store(arena_.radiance, radiance);
+        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
+            auto shadow = kernel_.lightRay(l, s, m, wo, throughput);
+            uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
+            if (bits) pushShadow(*arena_.shadows.data[l], g, bits, shadow.ray, shadow.contribution);
+        }
+    }
+
+    HELIOGRAPH_INLINE void pushNext(const Group& g, const Path& path, const Surface& s, const Shading& m, Vec3 throughput,
+                                    Vec3& radiance) {
+        Path reflection, refraction, pass;
+        Uint next = kernel_.nextRays(path, s, m, throughput, reflection, refraction, pass, radiance);
+        uint32_t some = laneBits(next != Uint(0u)) & g.mask();
+        for (; some; some &= some - 1) {
+            int i = __builtin_ctz(some);
+            uint32_t kinds = next.v[i];
+            uint32_t lane = g.lane.v[i];
+            if (kinds & KernelType::NEXT_REFLECTION) storeLane(arena_.stacks.push(lane), reflection, i);
+            if (kinds & KernelType::NEXT_PASS) storeLane(arena_.stacks.push(lane), pass, i);
+            if (kinds & KernelType::NEXT_REFRACTION) storeLane(arena_.stacks.push(lane), refraction, i);
+        }
+    }
+
+    static void storeLane(StoredPath& to, const Path& from, int i) {
+        to.origin[0] = from.origin.x.v[i];
+        to.origin[1] = from.origin.y.v[i];
+        to.origin[2] = from.origin.z.v[i];
+        to.direction[0] = from.direction.x.v[i];
+        to.direction[1] = from.direction.y.v[i];
+        to.direction[2] = from.direction.z.v[i];
+        to.throughput[0] = from.throughput.x.v[i];
+        to.throughput[1] = from.throughput.y.v[i];
+        to.throughput[2] = from.throughput.z.v[i];
+        to.coneWidth = from.coneWidth.v[i];
+        to.coneSpread = from.coneSpread.v[i];
+        to.depth = from.depth.v[i];
+        to.medium = from.medium.v[i];
+        to.salt = from.salt.v[i];
+    }
+
+    HELIOGRAPH_INLINE void pushShadow(ShadowQueue& queue, const Group& g, uint32_t bits, const RayLanes& ray,
+                                      Vec3 contribution) {
+        const uint32_t full = LANES >= 32 ? ~0u : (1u << LANES) - 1u;
+        if (bits == full && queue.count % LANES == 0) {
+            RTCRay16& packet = queue.packets.data[queue.count / PACKET];
+            uint32_t at = queue.count % PACKET;
+            auto put = [at](float* row, Float x) { std::memcpy(row + at, &x.v, sizeof x.v); };
+            put(packet.org_x, ray.origin.x);
+            put(packet.org_y, ray.origin.y);
+            put(packet.org_z, ray.origin.z);
+            put(packet.dir_x, ray.direction.x);
+            put(packet.dir_y, ray.direction.y);
+            put(packet.dir_z, ray.direction.z);
+            put(packet.tfar, ray.tMax);
+            std::memcpy(queue.contribution[0].data + queue.count, &contribution.x.v, sizeof contribution.x.v);
+            std::memcpy(queue.contribution[1].data + queue.count, &contribution.y.v, sizeof contribution.x.v);
+            std::memcpy(queue.contribution[2].data + queue.count, &contribution.z.v, sizeof contribution.x.v);
+            for (int i = 0; i < LANES; i++) queue.lanes.data[queue.count + i] = static_cast<uint16_t>(g.lane.v[i]);
+            queue.count += LANES;
+            return;
+        }
+        for (; bits; bits &= bits - 1) {
+            int i = __builtin_ctz(bits);
+            RTCRay16& packet = queue.packets.data[queue.count / PACKET];
+            uint32_t at = queue.count % PACKET;
+            packet.org_x[at] = ray.origin.x.v[i];
+            packet.org_y[at] = ray.origin.y.v[i];
+            packet.org_z[at] = ray.origin.z.v[i];
+            packet.dir_x[at] = ray.direction.x.v[i];
+            packet.dir_y[at] = ray.direction.y.v[i];
+            packet.dir_z[at] = ray.direction.z.v[i];
+            packet.tfar[at] = ray.tMax.v[i];
+            queue.contribution[0].data[queue.count] = contribution.x.v[i];
+            queue.contribution[1].data[queue.count] = contribution.y.v[i];
+            queue.contribution[2].data[queue.count] = contribution.z.v[i];
+            queue.lanes.data[queue.count++] = static_cast<uint16_t>(g.lane.v[i]);
+        }
+    }
+
+    void traceShadows(ShadowQueue& queue) {
+        bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0;
+        if (traced) count(RayKind::shadow, queue.count);
+        for (uint32_t first = 0; first < queue.count; first += PACKET) {
+            RTCRay16& packet = queue.packets.data[first / PACKET];
+            uint32_t rays = lesser(PACKET, queue.count - first);
+            uint32_t blocked = 0;
+            uint32_t passed = 0;
+            if (traced) {
+                float distance[PACKET];
+                std::memcpy(distance, packet.tfar, sizeof distance);
+                setConstants(packet, 0.0f);
+                std::memcpy(packet.tfar, distance, sizeof distance);
+                blocked = traceOccluded(job_.rtcScene, packet, rays, mode(), passed);
+                passed &= ~blocked;
+            }
+            for (uint32_t i = 0; i < rays; i++) {
+                if (blocked >> i & 1u) continue;
+                uint32_t lane = queue.lanes.data[first + i];
+                vec3 light(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
+                           queue.contribution[2].data[first + i]);
+                if (passed >> i & 1u) light = light * throughTransparent(packet, i);
+                arena_.radiance[0][lane] += light.x;
+                arena_.radiance[1][lane] += light.y;
+                arena_.radiance[2][lane] += light.z;
+            }
+        }
+    }
+
+    vec3 throughTransparent(const RTCRay16& packet, uint32_t i) {
+        vec3 origin(packet.org_x[i], packet.org_y[i], packet.org_z[i]);
+        vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
+        return transparentTransmittance(job_, origin, direction, packet.tfar[i],
+                                        job_.rays[static_cast<size_t>(RayKind::shadow)]);
+    }
+
+    void pushOcclusion(const Group& g, uint32_t bits, const Path& path, const Surface& s, const Shading& m, Vec3 ambient) {
+        Vec3 origin = kernel_.offsetRayOrigin(s.position, s.geometricNormal);
+        Uint shift = kernel_.occlusionShift(Uvec2(g.load(arena_.pixelX), g.load(arena_.pixelY)), path.salt);
+        for (; bits; bits &= bits - 1) {
+            int i = __builtin_ctz(bits);
+            uint32_t number = arena_.occlusionCount++;
+            if (number / PACKET >= arena_.occlusion.capacity)
+                arena_.occlusion.reserve(BLOCK_LANES / PACKET, number / PACKET);
+            OcclusionGroup& to = arena_.occlusion.data[number / PACKET];
+            uint32_t at = number % PACKET;
+            putVector(to.origin, at, origin, i);
+            putVector(to.normal, at, m.normal, i);
+            putVector(to.geometricNormal, at, s.geometricNormal, i);
+            putVector(to.ambient, at, ambient, i);
+            to.shift[at] = shift.v[i];
+            to.lane[at] = static_cast<uint16_t>(g.lane.v[i]);
+        }
+    }
+
+    static HELIOGRAPH_INLINE void putVector(float (&to)[3][PACKET], uint32_t at, const Vec3& v, int i) {
+        to[0][at] = v.x.v[i];
+        to[1][at] = v.y.v[i];
+        to[2][at] = v.z.v[i];
+    }
+
+    static HELIOGRAPH_INLINE Vec3 getVector(const float (&from)[3][PACKET], uint32_t at) {
+        VectorFloat x, y, z;
+        std::memcpy(&x, from[0] + at, sizeof x);
+        std::memcpy(&y, from[1] + at, sizeof y);
+        std::memcpy(&z, from[2] + at, sizeof z);
+        return {Float(x), Float(y), Float(z)};
+    }
+
+    void traceOcclusion() {
+        uint32_t samples = kernel_.frame.aoSamples;
+        RTCRay16& rays = arena_.packet.ray;
+        TraceMode mode{job_.options.secondaryWidth, false};
+        for (uint32_t first = 0; first < arena_.occlusionCount; first += PACKET) {
+            OcclusionGroup& group = arena_.occlusion.data[first / PACKET];
+            uint32_t points = lesser(PACKET, arena_.occlusionCount - first);
+            uint32_t visible[PACKET] = {};
+            for (uint32_t index = 0; index < samples; index++) {
+                uvec2 point = kernel_.scene.sobol[kernel_.occlusionNumber(sample_, index)];
+                for (uint32_t at = 0; at < PACKET; at += LANES) aimOcclusion(group, at, point, rays);
+                setConstants(rays, kernel_.frame.aoDistance);
+                uint32_t passed = 0;
+                uint32_t blocked = traceOccluded(job_.rtcScene, rays, points, mode, passed);
+                for (uint32_t i = 0; i < PACKET; i++) visible[i] += 1u - (blocked >> i & 1u);
+            }
+            count(RayKind::ambientOcclusion, uint64_t(samples) * points);
+            for (uint32_t at = 0; at < points; at += LANES) addAmbient(group, at, lesser(LANES, points - at), visible);
+        }
+    }
+
+    HELIOGRAPH_INLINE void aimOcclusion(const OcclusionGroup& group, uint32_t at, uvec2 point, RTCRay16& rays) {
+        Vec3 normal = getVector(group.normal, at);
+        Vec3 tangent, bitangent;
+        kernel_.orthonormalBasis(normal, tangent, bitangent);
+        VectorUint shift;
+        std::memcpy(&shift, group.shift + at, sizeof shift);
+        Vec3 d = kernel_.occlusionDirection(Uvec2(point), Uint(shift), normal, getVector(group.geometricNormal, at), tangent,
+                                            bitangent);
+        std::memcpy(rays.dir_x + at, &d.x.v, sizeof d.x.v);
+        std::memcpy(rays.dir_y + at, &d.y.v, sizeof d.x.v);
+        std::memcpy(rays.dir_z + at, &d.z.v, sizeof d.x.v);
+        std::memcpy(rays.org_x + at, group.origin[0] + at, sizeof d.x.v);
+        std::memcpy(rays.org_y + at, group.origin[1] + at, sizeof d.x.v);
+        std::memcpy(rays.org_z + at, group.origin[2] + at, sizeof d.x.v);
+    }
+
+    void addAmbient(const OcclusionGroup& group, uint32_t at, uint32_t points, const uint32_t* visible) {
+        VectorUint seen;
+        std::memcpy(&seen, visible + at, sizeof seen);
+        Vec3 ambient = getVector(group.ambient, at) * kernel_.occlusionVisibility(Uint(seen));
+        for (uint32_t i = 0; i < points; i++) {
+            uint32_t lane = group.lane[at + i];
+            arena_.radiance[0][lane] += ambient.x.v[i];
+            arena_.radiance[1][lane] += ambient.y.v[i];
+            arena_.radiance[2][lane] += ambient.z.v[i];
+        }
+    }
+
+    void collect(uint32_t lanes) {
+        for (uint32_t first = 0; first < lanes; first += LANES) {
+            Group g;
+            g.first = first;
+            g.count = lesser(LANES, lanes - first);
+            g.contiguous = true;  // reads past the last pixel stay inside the arrays
+            Vec3 radiance = g.load(arena_.radiance);
+            Float y = kernel_.luminance(radiance);
+            Float y2 = y * y;
+            uint32_t finite = laneBits(kernel_.isFinite3(radiance));
+            for (uint32_t i = 0; i < g.count; i++) {
+                if (!(finite >> i & 1u)) {
+                    job_.nonfiniteSamples++;
+                    continue;
+                }
+                uint32_t x = arena_.pixelX[first + i] - job_.tile.origin.x;
+                uint32_t row = arena_.pixelY[first + i] - job_.tile.origin.y;
+                vec4& sum = job_.radianceSum[size_t(row) * job_.tile.size.x + x];
+                sum.x += radiance.x.v[i];
+                sum.y += radiance.y.v[i];
+                sum.z += radiance.z.v[i];
+                sum.w += y2.v[i];
+            }
+        }
+    }
+
+    TileJob& job_;
     Arena& arena_;
     KernelType kernel_;
-    RayCounts rays_;
     uint32_t sample_ = 0;
+    uint32_t hitCount_ = 0;
+    uint32_t missCount_ = 0;
     bool secondary_ = false;
 };
 
-}  // namespace heliograph
+}  // namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE

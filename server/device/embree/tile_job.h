@@ -1,0 +1,51 @@
+#pragma once
+// What a tile program is given and gives back, as plain data: tile programs are compiled for several instruction sets and
+// may share no inline code with the rest.
+
+#include "server/device/embree/ray_packet.h"
+#include "server/render/tile.h"
+#include "shaders/kernel/scene_view.h"
+
+namespace heliograph {
+
+struct TraceOptions {
+    uint32_t primaryWidth = 16;    // packet width of camera rays and of the shadow rays at their hits; 1 = one by one
+    uint32_t secondaryWidth = 16;  // of all others
+};
+
+struct TileJob {
+    RTCScene rtcScene = nullptr;
+    const SceneView* view = nullptr;
+    const FrameConstants* frame = nullptr;
+    TraceOptions options;
+    Tile tile;
+    vec4* radianceSum = nullptr;  // row-major over the tile, zeroed by the caller
+    uint64_t rays[static_cast<size_t>(RayKind::count)] = {};
+    uint64_t nonfiniteSamples = 0;
+};
+
+/// Renders jobs of one effect set. Not thread safe: each thread owns one.
+class TileProgram {
+public:
+    virtual ~TileProgram() = default;
+    virtual void render(TileJob& job) = 0;
+};
+
+/// A program that can be made.
+struct TileProgramRow {
+    uint32_t effects;            // EFFECT_* bits that it can do
+    TileProgram* (*make)();      // caller owns
+};
+
+/// The programs compiled for one instruction set.
+struct TileProgramTable {
+    const char* instructionSet;
+    const TileProgramRow* rows;
+    uint32_t count;
+};
+
+/// What transparent surfaces leave of the light along a shadow ray that nothing opaque blocks. Walks from surface to
+/// surface, nearest first; adds the rays it needs to `rays`.
+vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint64_t& rays);
+
+}  // namespace heliograph

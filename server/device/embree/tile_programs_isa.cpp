@@ -1,0 +1,44 @@
+// The tile driver for several effect sets, compiled once per instruction set: HELIOGRAPH_KERNEL_NAMESPACE names the build
+// (lanes_v2, lanes_v3, lanes_v4). Everything here lives in that namespace or is always inlined, so that the linker cannot
+// give another build's code to a processor that lacks the instructions (tests/check_isa.sh looks).
+
+#include "server/device/embree/tile_tracer.h"
+
+#include <new>
+
+namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
+
+namespace {
+
+template <uint32_t EFFECTS>
+class CompiledProgram final : public TileProgram {
+public:
+    CompiledProgram() : arena_(new Arena()) {}
+    ~CompiledProgram() override { delete arena_; }
+    void render(TileJob& job) override { TileTracer<EFFECTS>(job, *arena_).render(); }
+
+private:
+    Arena* arena_;
+};
+
+template <uint32_t EFFECTS>
+TileProgram* makeProgram() {
+    return new CompiledProgram<EFFECTS>();
+}
+
+constexpr uint32_t PLAIN = EFFECT_SHADOWS | EFFECT_TEXTURES | EFFECT_ENVIRONMENT_IMAGE;
+constexpr uint32_t OPAQUE = PLAIN | EFFECT_AMBIENT_OCCLUSION | EFFECT_NORMAL_MAPS | EFFECT_EMISSION | EFFECT_VERTEX_COLORS;
+constexpr uint32_t EVERYTHING = 0xffffffffu;
+
+constexpr TileProgramRow ROWS[] = {
+    {PLAIN, makeProgram<PLAIN>},
+    {OPAQUE, makeProgram<OPAQUE>},
+    {EVERYTHING, makeProgram<EVERYTHING>},
+};
+
+}  // namespace
+
+extern const TileProgramTable PROGRAM_TABLE;
+const TileProgramTable PROGRAM_TABLE = {HELIOGRAPH_ISA_NAME, ROWS, sizeof(ROWS) / sizeof(ROWS[0])};
+
+}  // namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE

@@ -1,0 +1,32 @@
+#include "server/device/embree/embree_scene.h"
+#include "server/device/embree/tile_job.h"
+#include "shaders/kernel/kernel.h"
+
+namespace heliograph {
+
+vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint64_t& rays) {
+    using KernelType = scalar_kernel::Kernel<0xffffffffu>;
+    KernelType kernel;
+    kernel.scene = *job.view;
+    kernel.frame = *job.frame;
+    vec3 from = origin;
+    float left = tMax;
+    vec3 through(1.0f);
+    for (uint32_t step = 0; step < KernelType::MAX_SHADOW_SURFACES; step++) {
+        RTCRayHit16 packet;
+        setRay(packet.ray, 0, from, direction, left, MASK_TRANSPARENT);
+        traceClosest(job.rtcScene, packet, 1, {1, false});
+        rays++;
+        Hit hit = EmbreeScene::hitOf(packet.hit.geomID[0], packet.hit.primID[0], packet.hit.instID[0][0]);
+        if (hit.instance == NO_INDEX) return through;
+        auto surface = kernel.surfaceAt(from, direction, 0.0f, 0.0f, hit);
+        through = through * kernel.surfaceTransmittance(surface, direction);
+        if (!(kernel.maxComponent(through) > 0.0f)) return vec3(0.0f);
+        left -= surface.distance;
+        if (!(left > 0.0f)) return through;
+        from = kernel.offsetRayOrigin(surface.position, -surface.geometricNormal);
+    }
+    return vec3(0.0f);
+}
+
+}  // namespace heliograph

@@ -1,0 +1,171 @@
+// Traversal of a device's own tree; GLSL only. One root tree over the triangles of everything that stands where it was
+// modelled, in whose leaves placed instances hang with a tree per mesh. The including file defines
+//   BVH_WIDTH         2: nodes of two float boxes; 4: four boxes of 8 bits an axis (Ylitie et al., "Efficient Incoherent
+//                     Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, has the idea for eight)
+//   BVH_NODE(i)       16 bytes of the nodes, BVH_TRIANGLE(i) of the triangles (server/device/vulkan/bvh_layout.h)
+//   BVH_STACK         entries of the stack: what the deepest path of the tree at hand needs, so it cannot overflow
+//   BVH_HOLE(hit)     true if the ray passes the hit triangle (cut-outs); origin and direction are in scope
+// The order of visits (closer child first): Aila & Laine, "Understanding the Efficiency of Ray Traversal on GPUs" (2009).
+
+const uint BVH_TRIANGLES = 0x80000000u;  // leaf: count << 27 | first triangle
+const uint BVH_INSTANCE = 0xc0000000u;   // leaf: one instance
+const uint BVH_LEAVE = 0xfffffffeu;      // on the stack: the instance is done
+const uint BVH_END = 0xffffffffu;
+
+const uint TRACE_CLOSEST = 0u;
+const uint TRACE_TRANSPARENT = 1u;  // closest of the surfaces that pass light
+const uint TRACE_ANY = 2u;          // stops at the first surface that passes none
+
+const uint FOUND_BLOCKED = 1u;
+const uint FOUND_TRANSPARENT = 2u;  // TRACE_ANY: a surface that passes light was met on the way
+
+// Far ends of boxes are moved out by more than the rounding of the slab test: Ize, "Robust BVH Ray Traversal" (2013).
+const float BVH_PADDING = 1.0000004f;
+
+vec3 inverseDirection(vec3 d) {
+    return vec3(abs(d.x) > 1.0e-30f ? 1.0f / d.x : (d.x < 0.0f ? -1.0e30f : 1.0e30f),
+                abs(d.y) > 1.0e-30f ? 1.0f / d.y : (d.y < 0.0f ? -1.0e30f : 1.0e30f),
+                abs(d.z) > 1.0e-30f ? 1.0f / d.z : (d.z < 0.0f ? -1.0e30f : 1.0e30f));
+}
+
+#if BVH_WIDTH == 2
+
+// Goes from node `ref` to its closer child and leaves the other on the stack.
+#define BVH_DESCEND                                                                                                    \
+    {                                                                                                                  \
+        vec4 xs0 = uintBitsToFloat(BVH_NODE(ref * 4u));                                                                \
+        vec4 xs1 = uintBitsToFloat(BVH_NODE(ref * 4u + 1u));                                                           \
+        vec4 zs = uintBitsToFloat(BVH_NODE(ref * 4u + 2u));                                                            \
+        uvec4 children = BVH_NODE(ref * 4u + 3u);                                                                      \
+        vec4 a = (xs0 - start.xxyy) * inverse.xxyy;                                                                    \
+        vec4 b = (xs1 - start.xxyy) * inverse.xxyy;                                                                    \
+        vec4 z = (zs - start.zzzz) * inverse.zzzz;                                                                     \
+        float nearA = max(max(min(a.x, a.y), min(a.z, a.w)), max(min(z.x, z.y), 0.0f));                                \
+        float farA = min(min(max(a.x, a.y), max(a.z, a.w)), max(z.x, z.y)) * BVH_PADDING;                              \
+        float nearB = max(max(min(b.x, b.y), min(b.z, b.w)), max(min(z.z, z.w), 0.0f));                                \
+        float farB = min(min(max(b.x, b.y), max(b.z, b.w)), max(z.z, z.w)) * BVH_PADDING;                              \
+        bool intoA = nearA <= min(farA, closest);                                                                      \
+        bool intoB = nearB <= min(farB, closest);                                                                      \
+        if (intoA && intoB) {                                                                                          \
+            bool swapped = nearB < nearA;                                                                              \
+            ref = swapped ? children.y : children.x;                                                                   \
+            stack[top++] = swapped ? children.x : children.y;                                                          \
+        } else if (intoA || intoB) {                                                                                   \
+            ref = intoA ? children.x : children.y;                                                                     \
+        } else {                                                                                                       \
+            ref = stack[--top];                                                                                        \
+        }                                                                                                              \
+    }
+
+#else
+
+vec4 unpackBytes(uint word) {
+    return vec4(float(word & 255u), float((word >> 8) & 255u), float((word >> 16) & 255u), float(word >> 24));
+}
+
+#define BVH_ORDER(i, j)                                                                                                \
+    if (enter[j] < enter[i]) {                                                                                         \
+        float t_ = enter[i];                                                                                           \
+        enter[i] = enter[j];                                                                                           \
+        enter[j] = t_;                                                                                                 \
+        uint r_ = children[i];                                                                                         \
+        children[i] = children[j];                                                                                     \
+        children[j] = r_;                                                                                              \
+    }
+
+#define BVH_DESCEND                                                                                                    \
+    {                                                                                                                  \
+        uvec4 head = BVH_NODE(ref * 4u);                                                                               \
+        uvec4 boxes = BVH_NODE(ref * 4u + 1u);                                                                         \
+        uvec4 boxesZ = BVH_NODE(ref * 4u + 2u);                                                                        \
+        uvec4 children = BVH_NODE(ref * 4u + 3u);                                                                      \
+        vec3 base = (uintBitsToFloat(head.xyz) - start) * inverse;                                                     \
+        vec3 step_ = uintBitsToFloat(uvec3(head.w & 255u, (head.w >> 8) & 255u, (head.w >> 16) & 255u) << 23) * inverse; \
+        vec4 x0 = unpackBytes(boxes.x) * step_.x + base.x;                                                             \
+        vec4 x1 = unpackBytes(boxes.y) * step_.x + base.x;                                                             \
+        vec4 y0 = unpackBytes(boxes.z) * step_.y + base.y;                                                             \
+        vec4 y1 = unpackBytes(boxes.w) * step_.y + base.y;                                                             \
+        vec4 z0 = unpackBytes(boxesZ.x) * step_.z + base.z;                                                            \
+        vec4 z1 = unpackBytes(boxesZ.y) * step_.z + base.z;                                                            \
+        vec4 enter = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), vec4(0.0f)));                                 \
+        vec4 leave = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * BVH_PADDING;                                    \
+        leave = min(leave, vec4(closest));                                                                             \
+        enter.x = enter.x <= leave.x ? enter.x : 3.402823466e38f;                                                      \
+        enter.y = enter.y <= leave.y ? enter.y : 3.402823466e38f;                                                      \
+        enter.z = enter.z <= leave.z ? enter.z : 3.402823466e38f;                                                      \
+        enter.w = enter.w <= leave.w ? enter.w : 3.402823466e38f;                                                      \
+        BVH_ORDER(0, 1) BVH_ORDER(2, 3) BVH_ORDER(0, 2) BVH_ORDER(1, 3) BVH_ORDER(1, 2)                                \
+        if (enter.w < 3.0e38f) stack[top++] = children.w;                                                              \
+        if (enter.z < 3.0e38f) stack[top++] = children.z;                                                              \
+        if (enter.y < 3.0e38f) stack[top++] = children.y;                                                              \
+        ref = enter.x < 3.0e38f ? children.x : stack[--top];                                                           \
+    }
+
+#endif
+
+// Follows a ray from its origin up to tMax. TRACE_CLOSEST and TRACE_TRANSPARENT set `hit` (instance NO_INDEX = nothing);
+// TRACE_ANY returns FOUND_* bits.
+uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit hit) {
+    hit.instance = NO_INDEX;
+    hit.primitive = 0u;
+    uint stack[BVH_STACK];
+    stack[0] = BVH_END;
+    int top = 1;
+    uint found = 0u;
+    float closest = tMax;
+    vec3 start = origin;
+    vec3 inverse = inverseDirection(direction);
+    RayFrame frame = rayFrame(origin, direction);
+    uint inside = NO_INDEX;  // instance whose tree is walked
+    uint ref = 0u;
+    for (;;) {
+        while (ref < BVH_TRIANGLES) BVH_DESCEND
+        if (ref == BVH_END) break;
+        if (ref >= BVH_INSTANCE) {
+            if (!HAS(EFFECT_INSTANCING)) break;  // no tree has such a leaf then
+            vec3 d = direction;
+            if (ref == BVH_LEAVE) {
+                inside = NO_INDEX;
+                start = origin;
+                ref = stack[--top];
+            } else {
+                inside = ref & 0x3fffffffu;
+                vec4 r0 = INSTANCE(inside, toObject0);
+                vec4 r1 = INSTANCE(inside, toObject1);
+                vec4 r2 = INSTANCE(inside, toObject2);
+                start = vec3(dot(r0.xyz, origin) + r0.w, dot(r1.xyz, origin) + r1.w, dot(r2.xyz, origin) + r2.w);
+                d = vec3(dot(r0.xyz, direction), dot(r1.xyz, direction), dot(r2.xyz, direction));
+                stack[top++] = BVH_LEAVE;
+                ref = INSTANCE(inside, root);
+            }
+            inverse = inverseDirection(d);
+            frame = rayFrame(start, d);
+            continue;
+        }
+        uint first = ref & 0x07ffffffu;
+        uint last = first + ((ref >> 27) & 7u);
+        for (uint i = first; i < last; i++) {
+            uvec4 p0 = BVH_TRIANGLE(i * 3u);
+            uvec4 p1 = BVH_TRIANGLE(i * 3u + 1u);
+            uvec4 p2 = BVH_TRIANGLE(i * 3u + 2u);
+            float t = triangleDistance(frame, uintBitsToFloat(p0.xyz), uintBitsToFloat(p1.xyz), uintBitsToFloat(p2.xyz));
+            if (!(t > 0.0f && t < closest)) continue;
+            if (mode == TRACE_TRANSPARENT && p2.w != OPACITY_TRANSPARENT) continue;
+            if (mode == TRACE_ANY && p2.w == OPACITY_TRANSPARENT) {
+                found |= FOUND_TRANSPARENT;
+                continue;
+            }
+            Hit candidate;
+            candidate.instance = inside == NO_INDEX ? p1.w : inside;
+            candidate.primitive = p0.w;
+            if (HAS(EFFECT_ALPHA_MASK) && mode != TRACE_TRANSPARENT && p2.w == OPACITY_MASKED) {
+                if (BVH_HOLE(candidate)) continue;
+            }
+            if (mode == TRACE_ANY) return found | FOUND_BLOCKED;
+            closest = t;
+            hit = candidate;
+        }
+        ref = stack[--top];
+    }
+    return found;
+}

@@ -1,0 +1,26 @@
+#pragma once
+// What the kernel reads: pointers to a scene's arrays and to the kernel's tables. Nothing is owned.
+
+#include "shaders/kernel/kernel_types.h"
+
+namespace heliograph {
+
+struct SceneView {
+    const vec4* positions = nullptr;
+    const VertexAttributes* attributes = nullptr;
+    const vec4* tangents = nullptr;
+    const uvec4* triangles = nullptr;
+    const Mesh* meshes = nullptr;
+    const Instance* instances = nullptr;
+    const Material* materials = nullptr;
+    const TextureSlot* textures = nullptr;
+    const Image* images = nullptr;
+    const ImageLevel* imageLevels = nullptr;
+    const uint32_t* texels = nullptr;
+    const Light* lights = nullptr;
+    const Environment* environment = nullptr;
+    const float* texelTable = nullptr;  // linear value of the 8-bit codes: 256 sRGB ones, then 256 linear ones
+    const uvec2* sobol = nullptr;       // SOBOL_COUNT points
+};
+
+}  // namespace heliograph
