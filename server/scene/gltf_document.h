@@ -1,0 +1,47 @@
+#pragma once
+// A glTF file read and checked: the parsed model, the bytes of its buffers and where its images are. Private to server/scene.
+
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE
+#define TINYGLTF_NO_INCLUDE_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace heliograph {
+
+using ByteSpan = std::span<const uint8_t>;
+
+/// An image's file bytes; `fault` says why there are none.
+struct GltfImage {
+    std::string name;  // for messages: file and JSON pointer
+    ByteSpan bytes;
+    std::string fault;
+};
+
+/// Every index in `model` is in range, every buffer view lies inside its buffer, every accessor inside its view, and the nodes
+/// form a forest. tinygltf's own buffers and images are empty: the bytes are in `buffers` and `images`.
+struct GltfDocument {
+    std::string file;
+    tinygltf::Model model;
+    std::vector<ByteSpan> buffers;
+    std::vector<GltfImage> images;
+    std::vector<std::string> warnings;
+    uint64_t sourceBytes = 0;  // of the file and all its buffers
+
+    /// Bytes of a buffer view.
+    ByteSpan view(int bufferView) const;
+    /// "<file>: <JSON pointer>", for messages.
+    std::string at(const std::string& pointer) const { return file + ": " + pointer; }
+
+    std::vector<std::vector<uint8_t>> storage;  // what the spans point into
+};
+
+/// Reads .gltf or .glb, by content. Throws InputError.
+GltfDocument readGltf(const std::filesystem::path& path);
+
+}  // namespace heliograph
