@@ -47,6 +47,13 @@ export interface ViewerState {
   resolutionMode: ResolutionMode;
 }
 
+/** After a reconnect: the scene that was shown before, and the server's words on others meanwhile. */
+interface Restoring {
+  readonly scene: string;
+  asked: boolean;
+  other: SceneMessage | null;
+}
+
 const RESIZE_DELAY = 150; // ms
 const PAUSE = 1000; // ms
 const STAGES_KEPT = 30; // frames
@@ -74,7 +81,7 @@ export class Viewer {
   private readonly display_: Display;
   private restTimer_ = 0;
   private resizeTimer_ = 0;
-  private restoring_: { scene: string; asked: boolean } | null = null;
+  private restoring_: Restoring | null = null;
   private pendingSettings_: Record<string, SettingValue> | null = null;
 
   constructor(
@@ -234,7 +241,7 @@ export class Viewer {
     const before = this.state.hello;
     this.state.hello = hello;
     this.settings.setSchema(hello.schema);
-    if (before !== null && this.state.readyName !== '') this.restoring_ = { scene: this.state.readyName, asked: false };
+    if (before !== null && this.state.readyName !== '') this.restoring_ = { scene: this.state.readyName, asked: false, other: null };
     if (before !== null && before.server !== hello.server) {
       this.onMessage({ kind: 'notice', text: `The server is now version ${hello.server}. Reload the page to match it.` });
     }
@@ -246,22 +253,33 @@ export class Viewer {
   }
 
   private scene(message: SceneMessage): void {
-    const restoring = this.restoring_;
-    if (restoring !== null && message.name !== restoring.scene && !restoring.asked) {
-      restoring.asked = true;
-      if (this.state.hello?.scenes.some((entry) => entry.name === restoring.scene) === true) {
-        this.connection_.send({ type: 'scene', name: restoring.scene });
-        return;
-      }
-      this.restoring_ = null;
-    }
+    if (this.restoring_ !== null && message.name !== this.restoring_.scene && this.restores(this.restoring_, message)) return;
     this.state.scene = message;
     if (message.ready !== null) this.sceneReady(message.name, message.ready);
     if (message.state === 'failed') {
-      this.restoring_ = null;
       this.onMessage({ kind: 'error', text: `The scene ${message.name} could not be opened: ${message.what}` });
+      this.giveUpRestoring();
     }
     this.emit('scene');
+  }
+
+  /** True when `message`, of another scene than the one before the reconnect, is to wait because that one is on its way. */
+  private restores(restoring: Restoring, message: SceneMessage): boolean {
+    if (this.state.hello?.scenes.some((entry) => entry.name === restoring.scene) !== true) {
+      this.restoring_ = null;
+      return false;
+    }
+    if (!restoring.asked) this.connection_.send({ type: 'scene', name: restoring.scene });
+    restoring.asked = true;
+    restoring.other = message;
+    return true;
+  }
+
+  /** The scene from before cannot be had again: the server's own takes its place. */
+  private giveUpRestoring(): void {
+    const other = this.restoring_?.other ?? null;
+    this.restoring_ = null;
+    if (other !== null) this.scene(other);
   }
 
   private sceneReady(name: string, ready: SceneReady): void {
@@ -288,6 +306,7 @@ export class Viewer {
   private error(message: string, about: string, inputId: number | null): void {
     if (about === 'picture') this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
     const names = about === 'settings' ? this.settings.refused(message, inputId) : [];
+    if (about === 'scene') this.giveUpRestoring();
     if (names.length === 0) this.onMessage({ kind: 'error', text: message });
     this.emit('settings');
     this.emit('frame');

@@ -1,0 +1,371 @@
+// The page in Chromium against a real server: what a visitor does, from the first picture to a server that dies and comes
+// back. HELIOGRAPH_BINARY names the server (default build/release/heliograph), HELIOGRAPH_CHROMIUM the browser. Writes
+// screenshots to out/browser.
+
+import { readFile } from 'node:fs/promises';
+import { join } from 'node:path';
+import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
+
+const DESKTOP = { width: 1440, height: 900 };
+const PHONE = { width: 390, height: 844 };
+const SMALL_PHONE = { width: 360, height: 640 };
+const SCENE = 'cornell';
+const OTHER_SCENE = 'courtyard';
+
+const checks = new Checks();
+const server = new Server(await freePort(), SCENE);
+const address = `http://127.0.0.1:${server.port}/`;
+let browser = new Browser();
+let page;
+
+const state = () => page.evaluate(() => window.heliograph.state);
+const screenshot = (name) => page.screenshot({ path: join(outFolder, `${name}.png`) });
+const field = (name) => page.locator(`[data-setting="${name}"]`);
+
+/** Mean and spread (0..255) of the picture on the canvas, and a coarse copy of it to compare. */
+const picture = () =>
+  page.evaluate(() => {
+    const canvas = document.querySelector('body > canvas');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [64, 36];
+    const context = copy.getContext('2d');
+    context.drawImage(canvas, 0, 0, 64, 36);
+    const { data } = context.getImageData(0, 0, 64, 36);
+    const values = Array.from({ length: 64 * 36 }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 3);
+    const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+    const spread = Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length);
+    return { mean, spread, values, width: canvas.width, height: canvas.height };
+  });
+
+const difference = (a, b) => a.values.reduce((sum, value, i) => sum + Math.abs(value - b.values[i]), 0) / a.values.length;
+
+/** Waits until the picture shows the newest input. */
+const settled = (ms = 30_000) =>
+  until('a picture of the last input', ms, async () => {
+    const { lastFrame, lastInputId } = await state();
+    return lastFrame !== null && lastFrame.inputId === lastInputId;
+  });
+
+async function open(viewport, options) {
+  browser = new Browser();
+  page = await browser.start(viewport, options);
+  const response = await page.goto(address);
+  expect(response.status() === 200, `status ${response.status()}`);
+}
+
+async function sceneShown(name) {
+  await until(`scene ${name}`, 60_000, async () => {
+    const { scene } = await state();
+    return scene?.name === name && scene.state === 'ready';
+  });
+  await settled(60_000);
+}
+
+async function drag(from, to, steps = 8) {
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  for (let i = 1; i <= steps; i += 1) {
+    await page.mouse.move(from[0] + ((to[0] - from[0]) * i) / steps, from[1] + ((to[1] - from[1]) * i) / steps);
+    await pause(16);
+  }
+  await page.mouse.up();
+}
+
+async function setNumber(name, value) {
+  const input = field(name).locator('input[type=number]');
+  await input.fill(String(value));
+  await input.press('Enter');
+}
+
+/** Text and box of every visible control that has no name or lies outside the window. */
+const badControls = () =>
+  page.evaluate(() => {
+    const bad = [];
+    for (const control of document.querySelectorAll('button, input, select, summary, canvas[tabindex]')) {
+      const box = control.getBoundingClientRect();
+      if (box.width === 0 || getComputedStyle(control).visibility === 'hidden') continue;
+      const name = control.getAttribute('aria-label') ?? control.labels?.[0]?.textContent ?? control.textContent ?? '';
+      if (name.trim() === '') bad.push(`no name: ${control.outerHTML.slice(0, 120)}`);
+      if (box.left < -1 || box.right > innerWidth + 1) bad.push(`outside: ${name} ${box.left} to ${box.right}`);
+    }
+    return bad;
+  });
+
+/** Pairs of bars and panels that cover each other. */
+const overlaps = () =>
+  page.evaluate(() => {
+    const boxes = [...document.querySelectorAll('#page > .bar, #page > .panel')]
+      .map((element) => ({ name: element.id || element.className, box: element.getBoundingClientRect() }))
+      .filter(({ box }) => box.width > 0);
+    const found = [];
+    for (const [i, a] of boxes.entries()) {
+      for (const b of boxes.slice(i + 1)) {
+        const across = Math.min(a.box.right, b.box.right) - Math.max(a.box.left, b.box.left);
+        const down = Math.min(a.box.bottom, b.box.bottom) - Math.max(a.box.top, b.box.top);
+        if (across > 0 && down > 0) found.push(`${a.name} and ${b.name}`);
+      }
+    }
+    return found;
+  });
+
+function noProblems() {
+  expect(browser.problems.length === 0, browser.problems.join('\n'));
+}
+
+/** Size that a PNG file states; throws when it is none. */
+function pngSize(bytes) {
+  expect(bytes.subarray(0, 8).equals(Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a])), 'no PNG signature');
+  expect(bytes.subarray(12, 16).toString('latin1') === 'IHDR', 'no IHDR chunk');
+  return { width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20) };
+}
+
+async function pictureChecks() {
+  await checks.check('the page loads and shows a picture', async () => {
+    await open(DESKTOP);
+    await sceneShown(SCENE);
+    const shown = await picture();
+    expect(shown.spread > 5, `the canvas is uniform: mean ${shown.mean}, spread ${shown.spread}`);
+    const { lastFrame } = await state();
+    expect(shown.width === lastFrame.width && shown.height === lastFrame.height, `canvas ${shown.width} x ${shown.height}, frame ${lastFrame.width} x ${lastFrame.height}`);
+    const box = await page.locator('body > canvas').boundingBox();
+    expect(box.width === DESKTOP.width && box.height === DESKTOP.height, `the canvas does not fill the window: ${JSON.stringify(box)}`);
+  });
+  await checks.check('samples add up while the camera rests', async () => {
+    await until('more than one sample', 30_000, async () => (await state()).lastFrame.samples > 1);
+  });
+  await checks.check('dragging changes the picture, and the last input comes back', async () => {
+    const before = await picture();
+    const { lastInputId } = await state();
+    await drag([720, 400], [900, 440]);
+    await settled();
+    const after = await state();
+    expect(after.lastInputId > lastInputId, 'no input was sent');
+    const changed = difference(before, await picture());
+    expect(changed > 2, `mean difference ${changed}`);
+    expect(after.motionToPhotonMs.median > 0, 'motion to photon was not measured');
+  });
+  await checks.check('W moves while it is held, and rests afterwards', async () => {
+    const before = await state();
+    await page.keyboard.down('w');
+    await pause(400);
+    await page.keyboard.up('w');
+    await settled();
+    const after = await state();
+    const moved = Math.hypot(...after.camera.position.map((value, i) => value - before.camera.position[i]));
+    expect(moved > 0, 'the camera did not move');
+    await pause(300);
+    expect((await state()).lastInputId === after.lastInputId, 'input goes on after the key was let go');
+  });
+  await checks.check('R brings the first view back', async () => {
+    await page.keyboard.press('r');
+    await settled();
+  });
+}
+
+async function settingChecks() {
+  await checks.check('a setting changes in the panel, the server confirms it, the picture follows', async () => {
+    const before = await picture();
+    await setNumber('exposure', 1.5);
+    await until('the echo', 10_000, async () => (await state()).settings.exposure === 1.5);
+    await settled();
+    const after = await picture();
+    expect(after.mean > before.mean + 5, `mean ${before.mean} before, ${after.mean} after +1.5 stops`);
+  });
+  await checks.check('a refused value shows the server\u2019s words and falls back', async () => {
+    await setNumber('maxReflections', 999);
+    const error = field('maxReflections').locator('.field-error');
+    await error.waitFor({ state: 'visible', timeout: 10_000 });
+    const text = await error.textContent();
+    expect(text.includes('maxReflections') && text.includes('999') && text.includes('31'), `message: ${text}`);
+    const { settings } = await state();
+    const shown = await field('maxReflections').locator('input[type=number]').inputValue();
+    expect(Number(shown) === settings.maxReflections, `shown ${shown}, server ${settings.maxReflections}`);
+    await error.scrollIntoViewIfNeeded();
+    await screenshot('refused');
+  });
+  await checks.check('a switch works by keyboard', async () => {
+    const { settings } = await state();
+    await field('shadows').locator('input').focus();
+    await page.keyboard.press('Space');
+    await until('the echo', 10_000, async () => (await state()).settings.shadows === !settings.shadows);
+    await settled();
+  });
+  await checks.check('reset brings the defaults back and clears the error', async () => {
+    await page.getByRole('button', { name: 'Reset to defaults' }).click();
+    await until('the echo', 10_000, async () => {
+      const { settings } = await state();
+      return settings.exposure === 0 && settings.shadows === true;
+    });
+    expect(await field('maxReflections').locator('.field-error').isHidden(), 'the error is still shown');
+    await settled();
+  });
+}
+
+async function pageChecks() {
+  await checks.check('F3 saves a PNG of the full-resolution film', async () => {
+    const download = page.waitForEvent('download', { timeout: 60_000 });
+    await page.keyboard.press('F3');
+    const file = await download;
+    const size = pngSize(await readFile(await file.path()));
+    const { width, height } = DESKTOP;
+    expect(size.width === width && size.height === height, `${size.width} x ${size.height}, allowed: ${width} x ${height}`);
+    expect(file.suggestedFilename().endsWith('.png'), file.suggestedFilename());
+  });
+  await checks.check('the menu saves an EXR', async () => {
+    const download = page.waitForEvent('download', { timeout: 60_000 });
+    await page.locator('.dock').getByRole('button', { name: 'Save' }).click();
+    await page.getByRole('menuitem', { name: 'EXR' }).click();
+    const bytes = await readFile(await (await download).path());
+    expect(bytes.readUInt32LE(0) === 20000630, 'no OpenEXR magic number');
+  });
+  await checks.check('F1 hides the panels and shows them again', async () => {
+    await page.keyboard.press('F1');
+    expect(await page.locator('#settings-panel').isHidden(), 'the settings are still shown');
+    await screenshot('bare');
+    await page.keyboard.press('F1');
+    expect(await page.locator('#settings-panel').isVisible(), 'the settings did not come back');
+  });
+  await checks.check('H opens the help, Escape closes it', async () => {
+    await page.keyboard.press('h');
+    expect(await page.locator('dialog.help').isVisible(), 'no help');
+    await screenshot('help');
+    await page.keyboard.press('Escape');
+    expect(await page.locator('dialog.help').isHidden(), 'the help stays');
+  });
+  await checks.check('every control is reached by Tab, in a visible focus', async () => {
+    await page.evaluate(() => document.activeElement?.blur?.());
+    const reached = new Set();
+    for (let i = 0; i < 160; i += 1) {
+      await page.keyboard.press('Tab');
+      reached.add(await page.evaluate(() => {
+        const element = document.activeElement;
+        if (element === null || element === document.body) return '';
+        const outline = getComputedStyle(element).outlineStyle;
+        const name = element.getAttribute('aria-label') ?? element.labels?.[0]?.textContent ?? element.textContent;
+        return `${outline === 'none' ? 'INVISIBLE ' : ''}${name?.trim()}`;
+      }));
+    }
+    const invisible = [...reached].filter((name) => name.startsWith('INVISIBLE'));
+    expect(invisible.length === 0, invisible.join(', '));
+    for (const name of ['Viewpoint', 'About the scene', 'Exposure', 'Shadows', 'Save', 'Help', 'Reset to defaults']) {
+      expect([...reached].some((entry) => entry.includes(name)), `${name} is not reached; reached: ${[...reached].join(' | ')}`);
+    }
+  });
+  await checks.check('controls are named and nothing overlaps (desktop)', async () => {
+    const bad = [...(await badControls()), ...(await overlaps())];
+    expect(bad.length === 0, bad.join('\n'));
+  });
+  await checks.check('folded panels stay folded', async () => {
+    await page.locator('#statistics-panel .panel-head').click();
+    await page.reload();
+    await sceneShown(SCENE);
+    expect(await page.locator('#statistics-panel .panel-body').isHidden(), 'the statistics opened again');
+    await page.locator('#statistics-panel .panel-head').click();
+  });
+}
+
+async function sceneChecks() {
+  await checks.check('another scene opens without a new connection', async () => {
+    const before = await picture();
+    await page.locator('.picker').click();
+    await page.getByRole('menuitemradio', { name: new RegExp(`^${OTHER_SCENE}`, 'i') }).click();
+    await sceneShown(OTHER_SCENE);
+    const changed = difference(before, await picture());
+    expect(changed > 2, `mean difference ${changed}`);
+    expect((await state()).connected, 'not connected');
+    await until('some samples', 30_000, async () => (await state()).lastFrame.samples >= 8 || (await state()).lastFrame.final);
+    await pause(600);
+    await screenshot('desktop');
+  });
+  await checks.check('the picture follows the window\u2019s size', async () => {
+    await page.setViewportSize({ width: 1000, height: 700 });
+    await until('a picture of the new shape', 30_000, async () => {
+      const { lastFrame } = await state();
+      return Math.abs(lastFrame.width / lastFrame.height - 1000 / 700) < 0.02;
+    });
+    await page.setViewportSize(DESKTOP);
+    await settled();
+  });
+  await checks.check('the benchmark path plays, moves the picture and stops', async () => {
+    await page.keyboard.press('F2');
+    await until('the path', 10_000, async () => (await state()).pathPlaying);
+    const before = await picture();
+    await until('another picture', 30_000, async () => difference(before, await picture()) > 1);
+    await page.keyboard.press('F2');
+    await until('the end of the path', 10_000, async () => !(await state()).pathPlaying);
+    await settled();
+  });
+}
+
+async function reconnectChecks() {
+  await checks.check('a server that dies is said so, and the page comes back with scene, camera and settings', async () => {
+    await setNumber('exposure', 0.5);
+    await until('the echo', 10_000, async () => (await state()).settings.exposure === 0.5);
+    await drag([720, 400], [640, 380]);
+    await settled();
+    const before = await state();
+    noProblems();
+    browser.expectDisconnect = true;
+    await server.kill();
+    await page.locator('.banner').getByText(/Connection lost/).waitFor({ timeout: 5000 });
+    await screenshot('disconnected');
+    await server.start();
+    await until('the connection', 20_000, async () => (await state()).connected);
+    await sceneShown(OTHER_SCENE);
+    browser.expectDisconnect = false;
+    const after = await state();
+    expect(after.settings.exposure === 0.5, `exposure ${after.settings.exposure}`);
+    expect(JSON.stringify(after.camera) === JSON.stringify(before.camera), 'the camera was not restored');
+    expect(await page.locator('.banner').isHidden(), 'the banner stays');
+  });
+  await checks.check('nothing was wrong in the browser\u2019s console (desktop)', noProblems);
+}
+
+async function phoneChecks(name, viewport) {
+  await checks.check(`${name}: loads, a finger turns the view, panels are sheets`, async () => {
+    await open(viewport, { hasTouch: true, isMobile: true, deviceScaleFactor: 2 });
+    await sceneShown(SCENE);
+    const before = await state();
+    await page.locator('body > canvas').evaluate((canvas) => {
+      const fire = (type, x) =>
+        canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1, pointerType: 'touch', clientX: x, clientY: 300, isPrimary: true, bubbles: true }));
+      canvas.setPointerCapture = () => undefined; // synthetic pointers cannot be captured
+      fire('pointerdown', 100);
+      for (let x = 100; x <= 180; x += 10) fire('pointermove', x);
+      fire('pointerup', 180);
+    });
+    await settled();
+    expect(JSON.stringify((await state()).camera.forward) !== JSON.stringify(before.camera.forward), 'the view did not turn');
+    await page.locator('.toast .ghost').first().click({ timeout: 500 }).catch(() => undefined);
+    await screenshot(name);
+    for (const label of ['Stats', 'Settings']) {
+      await page.locator('.dock').getByRole('button', { name: label }).tap();
+      await pause(400);
+      const bad = [...(await badControls()), ...(await overlaps())];
+      expect(bad.length === 0, bad.join('\n'));
+      await screenshot(`${name}-${label.toLowerCase()}`);
+    }
+    const sheets = await page.locator('.panel:visible').count();
+    expect(sheets === 1, `${sheets} sheets are open, allowed: 1`);
+    noProblems();
+  });
+  await browser.stop();
+}
+
+try {
+  await checks.check('the server starts', () => server.start());
+  if (checks.failed === 0) {
+    await pictureChecks();
+    await settingChecks();
+    await pageChecks();
+    await sceneChecks();
+    await reconnectChecks();
+    await browser.stop();
+    await phoneChecks('phone', PHONE);
+    await phoneChecks('small-phone', SMALL_PHONE);
+  }
+} finally {
+  await browser.stop();
+  await server.kill();
+  checks.finish();
+}
