@@ -1,0 +1,235 @@
+#include "server/app/inspect_command.h"
+#include "server/app/program.h"
+#include "server/app/render_command.h"
+#include "server/base/error.h"
+#include "tests/support/test_scenes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace heliograph {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+struct Outcome {
+    int code = 0;
+    std::string out;
+    std::string err;
+};
+
+Outcome run(const std::vector<std::string>& arguments) {
+    std::vector<const char*> argv{"heliograph"};
+    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    Outcome outcome;
+    outcome.code = runProgram(static_cast<int>(argv.size()), argv.data());
+    outcome.out = testing::internal::GetCapturedStdout();
+    outcome.err = testing::internal::GetCapturedStderr();
+    return outcome;
+}
+
+/// Refused with exit code 2 and one line on stderr that has all the parts.
+void expectRefused(const std::vector<std::string>& arguments, const std::vector<std::string>& parts) {
+    Outcome outcome = run(arguments);
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, StartsWith("heliograph: "));
+    EXPECT_THAT(outcome.err, EndsWith("\n"));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
+    for (const std::string& part : parts) EXPECT_THAT(outcome.err, HasSubstr(part));
+}
+
+std::vector<std::string> keys(const ordered_json& json) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : json.items()) names.push_back(name);
+    return names;
+}
+
+class CommandsTest : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = fs::path(testing::TempDir()) / ("heliograph_commands_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+    std::string file(const std::string& name) const { return (folder_ / name).string(); }
+    static std::string content(const std::string& path) {
+        std::ifstream in(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    /// Renders the cornell box, small, with further arguments; returns the file's bytes.
+    std::string rendered(const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"render", "cornell", "--out", file(name), "--size", "50x34", "--samples", "2"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return content(file(name));
+    }
+
+    fs::path folder_;
+};
+
+TEST_F(CommandsTest, HelpIsNoError) {
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"--help"}, {"render", "--help"}, {"inspect", "--help"}, {"bench", "--help"},
+          {"bench", "frames", "--help"}, {"bench", "devices", "--help"}, {"serve", "--help"}}) {
+        Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.code, 0);
+        EXPECT_THAT(outcome.out, HasSubstr("xample")) << arguments.front();
+        EXPECT_EQ(outcome.err, "");
+    }
+    EXPECT_THAT(run({"render", "--help"}).out, HasSubstr("maxReflections (1; 0 to 31 bounces)"));
+    EXPECT_THAT(run({"--version"}).out, StartsWith("heliograph "));
+}
+
+TEST_F(CommandsTest, BadArgumentsAreOneLineAndExitCodeTwo) {
+    expectRefused({}, {"command line: ", "; allowed: see heliograph --help"});
+    expectRefused({"dance"}, {"command line: ", "dance"});
+    expectRefused({"render"}, {"command line: ", "; allowed: see heliograph render --help"});
+    expectRefused({"render", "cornell", "--out", file("a.png"), "--colour"}, {"command line: ", "--colour"});
+    expectRefused({"render", "cornell", "--out", file("a.png"), "--samples", "many"}, {"command line: ", "--samples"});
+    expectRefused({"bench", "frames"}, {"command line: ", "see heliograph bench frames --help"});
+}
+
+TEST_F(CommandsTest, BadValuesAreRefusedBeforeAnyWork) {
+    auto render = [&](const std::vector<std::string>& more, const std::vector<std::string>& parts) {
+        std::vector<std::string> arguments{"render", "cornell"};
+        if (std::find(more.begin(), more.end(), "--out") == more.end()) arguments.insert(arguments.end(), {"--out", file("a.png")});
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        expectRefused(arguments, parts);
+    };
+    render({"--size", "1280"}, {"--size: '1280'; allowed: WIDTHxHEIGHT"});
+    render({"--size", "0x10"}, {"--size: '0x10'"});
+    render({"--size", "8x8x8"}, {"--size: '8x8x8'"});
+    render({"--size", "-5x5"}, {"--size: '-5x5'"});
+    render({"--size", "99999999999x5"}, {"--size: '99999999999x5'"});
+    render({"--size", "100000x100000"}, {"at most 33177600 pixels"});
+    render({"--samples", "0"}, {"setting samples: 0; allowed: a whole number from 1 to 65536"});
+    render({"--samples", "-1"}, {"setting samples: -1"});
+    render({"--set", "glitter=1"}, {"setting: unknown name \"glitter\""});
+    render({"--set", "maxReflections=99"}, {"setting maxReflections: 99"});
+    render({"--device", "abacus"}, {"setting device: \"abacus\"; allowed: one of auto embree"});
+    render({"--out", file("a.bmp")}, {"a.bmp: unknown format 'bmp'; allowed: a name that ends in .png, .exr or .jpg"});
+    render({"--out", file("none/a.png")}, {"its folder does not exist"});
+    EXPECT_TRUE(fs::is_empty(folder_));
+    expectRefused({"bench", "frames", "cornell", "--frames", "0"}, {"--frames: 0; allowed: 1 to 100000"});
+    expectRefused({"bench", "devices", "cornell", "--repetitions", "-2"}, {"--repetitions: -2"});
+    expectRefused({"bench", "frames", "cornell", "--csv", file("none/a.csv")}, {"--csv", "its folder does not exist"});
+}
+
+TEST_F(CommandsTest, UnknownScenesAndCamerasAreNamed) {
+    expectRefused({"inspect", "atlantis"}, {"atlantis"});
+    expectRefused({"inspect", file("missing.glb")}, {"missing.glb"});
+    expectRefused({"render", "cornell", "--out", file("a.png"), "--camera", "backstage"},
+                  {"--camera: the scene has no 'backstage'; allowed: "});
+    EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(CommandsTest, RenderTellsWhatItDid) {
+    Outcome outcome = run({"render", "cornell", "--out", file("a.png"), "--size", "50x34", "--samples", "2", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    ordered_json json = ordered_json::parse(outcome.out);
+    EXPECT_EQ(keys(json), (std::vector<std::string>{"scene", "device", "width", "height", "samples", "effects", "ms", "rays",
+                                                    "tiles", "nonfinite_samples"}));
+    EXPECT_EQ(keys(json["ms"]), (std::vector<std::string>{"load", "build", "render"}));
+    EXPECT_EQ(json["scene"], "cornell");
+    EXPECT_EQ(json["width"], 50);
+    EXPECT_EQ(json["height"], 34);
+    EXPECT_EQ(json["samples"], 2);
+    EXPECT_EQ(json["rays"]["primary"], 50 * 34 * 2);
+    EXPECT_EQ(json["tiles"]["embree"], 2 * 2 * 2);
+    EXPECT_EQ(json["nonfinite_samples"], 0);
+    EXPECT_THAT(content(file("a.png")), StartsWith("\x89PNG"));
+}
+
+TEST_F(CommandsTest, RenderWritesTheSameFileForAnyThreadsAndTiles) {
+    const std::string expected = rendered("a.png", {"--set", "embreeThreads=1"});
+    EXPECT_GT(expected.size(), 500u);
+    EXPECT_EQ(rendered("b.png", {"--set", "embreeThreads=2"}), expected);
+    EXPECT_EQ(rendered("c.png", {"--set", "tileWidth=8", "--set", "tileHeight=8"}), expected);
+    EXPECT_EQ(rendered("d.png", {"--set", "tileWidth=64", "--set", "tileHeight=64"}), expected);
+    EXPECT_EQ(rendered("e.png", {"--set", "tiles=off"}), expected);
+    EXPECT_NE(rendered("f.png", {"--set", "exposure=1"}), expected);
+}
+
+TEST_F(CommandsTest, RenderWritesTheFormatOfTheName) {
+    EXPECT_THAT(rendered("a.jpg", {}), StartsWith("\xff\xd8\xff"));
+    EXPECT_THAT(rendered("a.exr", {}), StartsWith("\x76\x2f\x31\x01"));
+    EXPECT_EQ(rendered("b.exr", {"--set", "exposure=3"}), content(file("a.exr"))) << "the film knows no exposure";
+}
+
+TEST_F(CommandsTest, RenderScaleMakesThePictureSmaller) {
+    Outcome outcome = run({"render", "cornell", "--out", file("a.png"), "--size", "64x32", "--samples", "1", "--json", "--set",
+                           "renderScale=0.5"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(ordered_json::parse(outcome.out)["width"], 32);
+}
+
+TEST_F(CommandsTest, BenchesAnswerInJson) {
+    Outcome frames = run({"bench", "frames", "cornell", "--size", "32x24", "--frames", "3", "--json", "--csv", file("a.csv")});
+    ASSERT_EQ(frames.code, 0) << frames.err;
+    ordered_json json = ordered_json::parse(frames.out);
+    EXPECT_EQ(keys(json), (std::vector<std::string>{"scene", "device", "width", "height", "frames", "ms_mean", "ms_median", "ms_p95",
+                                                    "fps_mean", "fps_min", "mrays_per_s", "rays"}));
+    EXPECT_EQ(json["frames"], 3);
+    EXPECT_EQ(json["rays"]["primary"], 3 * 32 * 24);
+    std::string csv = content(file("a.csv"));
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);
+    Outcome devices = run({"bench", "devices", "cornell", "--size", "32x24", "--repetitions", "2", "--json"});
+    ASSERT_EQ(devices.code, 0) << devices.err;
+    json = ordered_json::parse(devices.out);
+    EXPECT_GT(json["frame"]["embree"]["ms"].get<double>(), 0.0);
+    EXPECT_EQ(json["frame"]["embree"]["rays"]["primary"], 32 * 24);
+    EXPECT_GT(json["raw"]["embree"]["primary"].get<double>(), 0.0);
+    EXPECT_GT(json["frame"]["embree"]["overhead_ratio"].get<double>(), 0.0);
+}
+
+TEST_F(CommandsTest, InspectAnswersInJsonAndForPeople) {
+    Outcome outcome = run({"inspect", "cornell", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(keys(ordered_json::parse(outcome.out)),
+              (std::vector<std::string>{"scene", "triangles", "instances", "materials", "lights", "textures", "bytes", "effects",
+                                        "warnings"}));
+    EXPECT_THAT(run({"inspect", "cornell"}).out, HasSubstr("calls for\n  shadows"));
+}
+
+TEST(Inspection, CountsWhatIsUsed) {
+    SceneBuilder builder = test::litBuilder();
+    builder.addMaterial(SceneBuilder::defaultMaterial(), "unused");
+    uint32_t red = builder.addMaterial(SceneBuilder::defaultMaterial(), "red");
+    uint32_t mesh = builder.addMesh(test::square(red));
+    for (int i = 0; i < 3; i++) {
+        mat4 toWorld(1.0f);
+        toWorld[3] = vec4(static_cast<float>(3 * i), 0.0f, 0.0f, 1.0f);
+        builder.addInstance(mesh, toWorld);
+    }
+    builder.warn("something was left out");
+    auto scene = builder.finish();
+    ordered_json json = inspection(*scene, "mine");
+    EXPECT_EQ(json["scene"], "mine");
+    EXPECT_EQ(json["triangles"], 6);
+    EXPECT_EQ(json["instances"], 3);
+    EXPECT_EQ(json["materials"], 1);
+    EXPECT_EQ(json["lights"], 1);
+    EXPECT_EQ(json["textures"], 0);
+    EXPECT_EQ(json["bytes"], scene->bytes());
+    EXPECT_EQ(json["effects"][0]["name"], "shadows");
+    EXPECT_EQ(json["effects"][0]["called_for"], true);
+    EXPECT_EQ(json["warnings"], ordered_json(scene->warnings));
+}
+
+}  // namespace
+}  // namespace heliograph

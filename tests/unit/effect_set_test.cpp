@@ -1,0 +1,180 @@
+#include "server/render/effect_set.h"
+
+#include "tests/support/test_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace heliograph {
+namespace {
+
+using test::litBuilder;
+using test::square;
+using test::squareScene;
+
+EffectReason reasonFor(const Scene& scene, uint32_t effect) {
+    for (const EffectReason& reason : explainEffects(scene)) {
+        if (reason.bit == effect) return reason;
+    }
+    ADD_FAILURE() << "no row for the effect";
+    return {};
+}
+
+bool calls(const std::function<void(Material&)>& change, uint32_t effect) {
+    return reasonFor(*squareScene(change), effect).calledFor;
+}
+
+ImageData plainImage(uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha = 255) {
+    ImageData image;
+    image.width = image.height = 2;
+    image.srgb = false;
+    for (int i = 0; i < 4; i++) image.rgba8.insert(image.rgba8.end(), {red, green, blue, alpha});
+    image.name = "plain";
+    return image;
+}
+
+TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
+    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion"}));
+}
+
+TEST(EffectSet, OneRowPerEffectOfTheTableInItsOrder) {
+    std::vector<EffectReason> reasons = explainEffects(*squareScene());
+    std::vector<std::string> names;
+    uint32_t all = 0;
+    for (const EffectReason& reason : reasons) {
+        names.push_back(reason.name);
+        all |= reason.bit;
+        EXPECT_FALSE(reason.because.empty()) << reason.name;
+        EXPECT_EQ(reason.because.find("no rule"), std::string::npos) << reason.name << " has no rule in effect_set.cpp";
+    }
+    EXPECT_EQ(names, effectNames({all}));
+    EXPECT_EQ(all + 1, 1u << reasons.size()) << "bits are dense";
+}
+
+TEST(EffectSet, ReflectionsComeFromSmoothMirrorsAndGlass) {
+    EXPECT_FALSE(calls([](Material& m) { m.metallic = 0.0f; m.roughness = 1.0f; }, EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls([](Material& m) { m.metallic = 1.0f; m.roughness = 0.1f; }, EFFECT_REFLECTIONS));
+    EXPECT_FALSE(calls([](Material& m) { m.metallic = 1.0f; m.roughness = 0.7f; }, EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls([](Material& m) { m.metallic = 0.0f; m.roughness = 0.1f; m.ior = 1.5f; }, EFFECT_REFLECTIONS))
+        << "a polished surface";
+    EXPECT_FALSE(calls([](Material& m) { m.metallic = 0.0f; m.roughness = 0.1f; m.ior = 1.0f; }, EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls([](Material& m) { m.roughness = 1.0f; m.transmission = 0.5f; }, EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_PHONG; m.mirror = 0.3f; }, EFFECT_REFLECTIONS));
+    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_PHONG; m.mirror = 0.0f; m.roughness = 0.0f; }, EFFECT_REFLECTIONS));
+    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_UNLIT; m.metallic = 1.0f; m.roughness = 0.0f; }, EFFECT_REFLECTIONS));
+}
+
+TEST(EffectSet, RoughnessTexturesAreLookedInto) {
+    auto withRoughness = [](uint8_t green) {
+        SceneBuilder builder = litBuilder();
+        Material material = SceneBuilder::defaultMaterial();
+        material.metallic = 1.0f;
+        material.roughness = 1.0f;
+        material.metallicRoughnessTexture =
+            builder.addTexture(SceneBuilder::defaultTexture(builder.addImage(plainImage(0, green, 255))));
+        builder.addInstance(builder.addMesh(square(builder.addMaterial(material, "worn metal"))), mat4(1.0f));
+        return builder.finish();
+    };
+    EXPECT_TRUE(effectsOf(*withRoughness(50)).has(EFFECT_REFLECTIONS));
+    EXPECT_FALSE(effectsOf(*withRoughness(180)).has(EFFECT_REFLECTIONS));
+    EXPECT_TRUE(effectsOf(*withRoughness(180)).has(EFFECT_TEXTURES));
+    EXPECT_FALSE(effectsOf(*withRoughness(180)).has(EFFECT_NORMAL_MAPS));
+}
+
+TEST(EffectSet, TransmissionCallsForRefractionsAndCoarserThings) {
+    auto glass = squareScene([](Material& m) { m.transmission = 1.0f; m.flags = MATERIAL_VOLUME; m.roughness = 0.0f; }, "glass");
+    EXPECT_TRUE(effectsOf(*glass).has(EFFECT_REFRACTIONS));
+    EXPECT_TRUE(effectsOf(*glass).has(EFFECT_TRANSPARENT_SHADOWS));
+    EXPECT_FALSE(effectsOf(*glass).has(EFFECT_ABSORPTION));
+    EXPECT_EQ(reasonFor(*glass, EFFECT_REFRACTIONS).because, "1 material (glass), 2 triangles");
+    EXPECT_EQ(reasonFor(*squareScene(), EFFECT_REFRACTIONS).because, "no transmissive material");
+    auto tinted = [](Material& m) { m.transmission = 1.0f; m.flags = MATERIAL_VOLUME; m.absorption = vec4(1, 0, 0, 0); };
+    EXPECT_TRUE(calls(tinted, EFFECT_ABSORPTION));
+    auto thin = [](Material& m) { m.transmission = 1.0f; m.absorption = vec4(1, 0, 0, 0); };
+    EXPECT_FALSE(calls(thin, EFFECT_ABSORPTION)) << "a thin wall has no inside";
+    EXPECT_FALSE(calls([](Material& m) { m.transmission = 1.0f; m.metallic = 1.0f; }, EFFECT_REFRACTIONS)) << "metal is opaque";
+}
+
+TEST(EffectSet, AlphaAndEmission) {
+    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_MASK; }, EFFECT_ALPHA_MASK));
+    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_MASK; }, EFFECT_ALPHA_BLEND));
+    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; m.baseColor.w = 0.5f; }, EFFECT_ALPHA_BLEND));
+    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; m.baseColor.w = 0.5f; }, EFFECT_TRANSPARENT_SHADOWS));
+    EXPECT_TRUE(calls([](Material& m) { m.emission = vec4(0, 0, 2, 0); }, EFFECT_EMISSION));
+    EXPECT_FALSE(calls({}, EFFECT_EMISSION));
+}
+
+TEST(EffectSet, VertexColoursCountWhereOneIsNotWhite) {
+    SceneBuilder builder = litBuilder();
+    MeshData white = square(), red = square();
+    white.colors.assign(4, vec4(1.0f));
+    red.colors.assign(4, vec4(1.0f));
+    builder.addInstance(builder.addMesh(white), mat4(1.0f));
+    EXPECT_FALSE(effectsOf(*builder.finish()).has(EFFECT_VERTEX_COLORS));
+    red.colors[2] = vec4(1, 0, 0, 1);
+    SceneBuilder second = litBuilder();
+    second.addInstance(second.addMesh(red), mat4(1.0f));
+    EXPECT_TRUE(effectsOf(*second.finish()).has(EFFECT_VERTEX_COLORS));
+}
+
+TEST(EffectSet, MaterialsThatNoTriangleHasDoNotCount) {
+    SceneBuilder builder = litBuilder();
+    Material glass = SceneBuilder::defaultMaterial();
+    glass.transmission = 1.0f;
+    builder.addMaterial(glass, "unused glass");
+    builder.addInstance(builder.addMesh(square()), mat4(1.0f));
+    EXPECT_FALSE(effectsOf(*builder.finish()).has(EFFECT_REFRACTIONS));
+}
+
+TEST(EffectSet, TrianglesAreCountedOverInstances) {
+    SceneBuilder builder = litBuilder();
+    Material chrome = SceneBuilder::defaultMaterial();
+    chrome.metallic = 1.0f;
+    chrome.roughness = 0.0f;
+    uint32_t mesh = builder.addMesh(square(builder.addMaterial(chrome, "chrome")));
+    for (int i = 0; i < 1000; i++) {
+        mat4 toWorld(1.0f);
+        toWorld[3] = vec4(static_cast<float>(3 * i), 0.0f, 0.0f, 1.0f);
+        builder.addInstance(mesh, toWorld);
+    }
+    auto scene = builder.finish();
+    EXPECT_EQ(reasonFor(*scene, EFFECT_REFLECTIONS).because, "1 material (chrome), 2,000 triangles");
+    EXPECT_TRUE(effectsOf(*scene).has(EFFECT_INSTANCING));
+    EXPECT_FALSE(effectsOf(*squareScene()).has(EFFECT_INSTANCING));
+}
+
+TEST(EffectSet, AnEnvironmentImageIsCalledForAndColourIsNot) {
+    SceneBuilder builder = litBuilder();
+    builder.addInstance(builder.addMesh(square()), mat4(1.0f));
+    ImageData sky;
+    sky.width = 8;
+    sky.height = 4;
+    sky.rgb32f.assign(8 * 4 * 3, 0.5f);
+    builder.setEnvironmentImage(builder.addImage(sky));
+    auto scene = builder.finish();
+    EXPECT_TRUE(effectsOf(*scene).has(EFFECT_ENVIRONMENT_IMAGE));
+    EXPECT_EQ(reasonFor(*scene, EFFECT_ENVIRONMENT_IMAGE).because, "an image of 8x4 pixels");
+    EXPECT_FALSE(effectsOf(*scene).has(EFFECT_TEXTURES)) << "the sky is on no surface";
+    EXPECT_FALSE(effectsOf(*squareScene()).has(EFFECT_ENVIRONMENT_IMAGE));
+}
+
+TEST(EffectSet, SettingsAllowWhatTheySwitch) {
+    Settings settings;
+    EXPECT_TRUE(allowedEffects(settings).has(EFFECT_SHADOWS));
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_AMBIENT_OCCLUSION));
+    settings.shadows = false;
+    settings.refractions = false;
+    settings.ambientOcclusion = true;
+    EffectSet allowed = allowedEffects(settings);
+    EXPECT_FALSE(allowed.has(EFFECT_SHADOWS));
+    EXPECT_FALSE(allowed.has(EFFECT_TRANSPARENT_SHADOWS));
+    EXPECT_FALSE(allowed.has(EFFECT_ABSORPTION));
+    EXPECT_TRUE(allowed.has(EFFECT_AMBIENT_OCCLUSION));
+    EXPECT_TRUE(allowed.has(EFFECT_TEXTURES)) << "has no switch";
+    settings.aoRadius = 0.0f;
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_AMBIENT_OCCLUSION));
+}
+
+}  // namespace
+}  // namespace heliograph

@@ -1,0 +1,205 @@
+#include "server/render/film.h"
+
+#include "tests/support/fake_device.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+namespace heliograph {
+namespace {
+
+TileResult resultFor(const Tile& tile, vec4 sum) {
+    TileResult result;
+    result.tile = tile;
+    result.radianceSum.assign(static_cast<size_t>(tile.size.x) * tile.size.y, sum);
+    return result;
+}
+
+Tile tileAt(uvec2 origin, uvec2 size, uint32_t firstSample = 0, uint32_t sampleCount = 1, uint32_t generation = 1) {
+    return {origin, size, firstSample, sampleCount, generation};
+}
+
+TEST(Film, AddsSumsAndDevelopsTheMean) {
+    Film film;
+    film.reset(uvec2(8, 8), 1);
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, {8, 8}, 0, 1), vec4(1, 2, 3, 0))));
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, {8, 8}, 1, 3), vec4(3, 2, 1, 0))));
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    ASSERT_EQ(pixels.size(), 64u);
+    for (const vec4& pixel : pixels) EXPECT_EQ(pixel, vec4(1.0f, 1.0f, 1.0f, 4.0f));
+    EXPECT_EQ(film.completedSamples(), 4u);
+}
+
+TEST(Film, PixelsWithoutSamplesAreBlack) {
+    Film film;
+    film.reset(uvec2(16, 8), 1);
+    film.add(resultFor(tileAt({8, 0}, {8, 8}), vec4(1, 1, 1, 1)));
+    film.reset(uvec2(16, 8), 2);
+    film.add(resultFor(tileAt({0, 0}, {8, 8}, 0, 1, 2), vec4(2, 2, 2, 4)));
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    EXPECT_EQ(pixels[0], vec4(2, 2, 2, 1));
+    EXPECT_EQ(pixels[8], vec4(0.0f)) << "what an older request left must not show";
+    EXPECT_EQ(film.completedSamples(), 0u);
+}
+
+TEST(Film, DropsResultsOfAnotherGeneration) {
+    Film film;
+    film.reset(uvec2(8, 8), 5);
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {8, 8}, 0, 1, 4), vec4(1))));
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {8, 8}, 0, 1, 6), vec4(1))));
+    EXPECT_EQ(film.completedSamples(), 0u);
+}
+
+TEST(Film, TheFirstOfTwoResultsWins) {
+    Film film;
+    film.reset(uvec2(8, 8), 1);
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, {8, 8}), vec4(1))));
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {8, 8}), vec4(9))));
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {8, 8}, 2), vec4(9)))) << "leaves a gap";
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, {8, 8}, 1), vec4(3))));
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    EXPECT_EQ(pixels[0], vec4(2, 2, 2, 2));
+}
+
+TEST(Film, AResultOverUnequalBlocksChangesNothing) {
+    Film film;
+    film.reset(uvec2(16, 8), 1);
+    EXPECT_TRUE(film.add(resultFor(tileAt({8, 0}, {8, 8}), vec4(1))));
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {16, 8}), vec4(5))));
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {16, 8}, 1), vec4(5))));
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, {8, 8}), vec4(2))));
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    EXPECT_EQ(pixels[0], vec4(2, 2, 2, 1));
+    EXPECT_EQ(pixels[8], vec4(1, 1, 1, 1));
+}
+
+TEST(Film, TakesWholeBlocksOnly) {
+    Film film;
+    film.reset(uvec2(20, 12), 1);
+    EXPECT_FALSE(film.add(resultFor(tileAt({4, 0}, {8, 8}), vec4(1)))) << "starts within a block";
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {12, 8}), vec4(1)))) << "ends within a block";
+    EXPECT_FALSE(film.add(resultFor(tileAt({16, 0}, {8, 8}), vec4(1)))) << "beyond the edge";
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {0, 8}), vec4(1)))) << "empty";
+    EXPECT_FALSE(film.add(resultFor(tileAt({0, 0}, {8, 8}, 0, 0), vec4(1)))) << "without samples";
+    EXPECT_FALSE(film.add(resultFor(tileAt({0xfffffff8u, 0}, {16, 8}), vec4(1)))) << "wraps";
+    TileResult shortOne = resultFor(tileAt({0, 0}, {8, 8}), vec4(1));
+    shortOne.radianceSum.pop_back();
+    EXPECT_FALSE(film.add(shortOne)) << "a pixel is missing";
+    EXPECT_TRUE(film.add(resultFor(tileAt({16, 8}, {4, 4}), vec4(1)))) << "a block cut by both edges";
+}
+
+TEST(Film, TilesCoverEveryPixelOnce) {
+    Film film;
+    for (uvec2 size : {uvec2(1, 1), uvec2(7, 9), uvec2(64, 64), uvec2(100, 33)}) {
+        for (uvec2 tileSize : {uvec2(8, 8), uvec2(32, 16), uvec2(1u << 16, 8)}) {
+            film.reset(size, 3);
+            std::vector<int> covered(size.x * size.y, 0);
+            for (const Tile& tile : film.tilesFor(4, 2, tileSize)) {
+                EXPECT_EQ(tile.generation, 3u);
+                EXPECT_EQ(tile.firstSample, 4u);
+                EXPECT_EQ(tile.sampleCount, 2u);
+                for (uint32_t y = 0; y < tile.size.y; y++) {
+                    for (uint32_t x = 0; x < tile.size.x; x++) covered.at((tile.origin.y + y) * size.x + tile.origin.x + x)++;
+                }
+            }
+            for (int times : covered) ASSERT_EQ(times, 1);
+        }
+    }
+}
+
+TEST(Film, RelativeErrorIsTheStandardErrorOverTheMean) {
+    Film film;
+    film.reset(uvec2(8, 8), 1);
+    EXPECT_EQ(film.relativeError(), 1.0);
+    // Grey samples 1 and 3: mean 2, variance 2, standard error of the mean of two sqrt(2 / 2) = 1.
+    film.add(resultFor(tileAt({0, 0}, {8, 8}, 0), vec4(1, 1, 1, 1)));
+    EXPECT_EQ(film.relativeError(), 1.0);
+    film.add(resultFor(tileAt({0, 0}, {8, 8}, 1), vec4(3, 3, 3, 9)));
+    EXPECT_NEAR(film.relativeError(), 0.5, 1e-12);
+    // Equal samples leave the error of the first two: sum of squares 1 + 9 + 2 * 4, n = 4: variance 2/3, error sqrt(1/6).
+    film.add(resultFor(tileAt({0, 0}, {8, 8}, 2, 2), vec4(4, 4, 4, 8)));
+    EXPECT_NEAR(film.relativeError(), std::sqrt(1.0 / 6.0) / 2.0, 1e-12);
+}
+
+TEST(Film, RelativeErrorOfABlackPictureIsZero) {
+    Film film;
+    film.reset(uvec2(8, 8), 1);
+    film.add(resultFor(tileAt({0, 0}, {8, 8}, 0, 2), vec4(0)));
+    EXPECT_EQ(film.relativeError(), 0.0);
+}
+
+TEST(Film, RelativeErrorOfALargePictureIsJudgedByPart) {
+    Film small, large;
+    small.reset(uvec2(64, 64), 1);
+    large.reset(uvec2(512, 512), 1);
+    auto fill = [](Film& film) {
+        for (uint32_t sample = 0; sample < 4; sample++) {
+            for (const Tile& tile : film.tilesFor(sample, 1, uvec2(64, 64))) {
+                TileResult result = resultFor(tile, vec4(0));
+                for (uint32_t y = 0; y < tile.size.y; y++) {
+                    for (uint32_t x = 0; x < tile.size.x; x++) {
+                        result.radianceSum[y * tile.size.x + x] = test::fakeRadiance(tile.origin.x + x, tile.origin.y + y, sample);
+                    }
+                }
+                ASSERT_TRUE(film.add(result));
+            }
+        }
+    };
+    fill(small);
+    fill(large);
+    EXPECT_NEAR(large.relativeError() / small.relativeError(), 1.0, 0.05);
+}
+
+TEST(Film, DevelopsRowsLikeTheWhole) {
+    Film film;
+    film.reset(uvec2(20, 70), 1);
+    for (const Tile& tile : film.tilesFor(0, 1, uvec2(8, 8))) film.add(resultFor(tile, vec4(static_cast<float>(tile.origin.y))));
+    std::vector<vec4> whole, rows(20 * 3);
+    film.develop(whole);
+    film.develop(63, 66, rows.data());
+    EXPECT_TRUE(std::equal(rows.begin(), rows.end(), whole.begin() + 63 * 20));
+    EXPECT_EQ(whole[69 * 20].x, 64.0f);
+}
+
+TEST(Film, DuplicatesFromManyThreadsCountOnce) {
+    constexpr uint32_t SAMPLES = 50;
+    Film film;
+    film.reset(uvec2(64, 32), 1);
+    std::atomic<uint32_t> taken = 0;
+    std::atomic<bool> done = false;
+    std::jthread reader([&] {
+        std::vector<vec4> pixels;
+        while (!done) {
+            film.develop(pixels);
+            for (const vec4& pixel : pixels) ASSERT_EQ(pixel.x, pixel.w == 0.0f ? 0.0f : 1.0f) << "a half-added block was seen";
+        }
+    });
+    {
+        std::vector<std::jthread> threads;
+        for (int t = 0; t < 4; t++) {
+            threads.emplace_back([&] {
+                for (uint32_t sample = 0; sample < SAMPLES; sample++) {
+                    for (const Tile& tile : film.tilesFor(sample, 1, uvec2(32, 16))) {
+                        if (film.add(resultFor(tile, vec4(1)))) taken++;
+                    }
+                }
+            });
+        }
+    }
+    done = true;
+    // Every thread delivers everything in order, so nothing can be missing at the end.
+    EXPECT_EQ(film.completedSamples(), SAMPLES);
+    EXPECT_EQ(taken, SAMPLES * 4);
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    for (const vec4& pixel : pixels) ASSERT_EQ(pixel, vec4(1, 1, 1, SAMPLES));
+}
+
+}  // namespace
+}  // namespace heliograph
