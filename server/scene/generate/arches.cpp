@@ -172,6 +172,8 @@ void addDiagonalRibs(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t
                 const vec3 forward = glm::normalize(frames[b].position - frames[a].position);
                 frames[i].right = frames[i].normalRight = glm::normalize(glm::cross(frames[i].up, forward));
             }
+            // Opposite ribs are mitred where they meet, or their sides would lie on each other.
+            frames.back().up = vec3(0.0f, 1.0f / frames.back().up.y, 0.0f);
             addSweep(writer, frames, section, {.closedSection = false, .creaseDegrees = 20.0f});
         }
     }

@@ -45,7 +45,7 @@ courtyard::Materials addCourtyardMaterials(SceneBuilder& builder) {
 
 uint32_t addWater(SceneBuilder& builder) {
     const SurfaceImages ripples = paintRipples("ripples", 73);
-    Material water = matte({0.02f, 0.07f, 0.07f}, 0.05f);
+    Material water = matte({0.012f, 0.04f, 0.042f}, 0.05f);
     water.ior = 1.33f;
     TextureSlot slot = SceneBuilder::defaultTexture(builder.addImage(ripples.normal));
     slot.transform = vec4(1.0f / ripples.metres, 0.0f, 0.0f, 1.0f / ripples.metres);
@@ -56,7 +56,7 @@ uint32_t addWater(SceneBuilder& builder) {
 void addViews(SceneBuilder& builder) {
     builder.addCamera(cameraAt("Court", {8.3f, 1.45f, 4.7f}, {-2.6f, 2.9f, -2.6f}, 62.0f));
     builder.addCamera(cameraAt("Gallery", {-12.15f, 1.65f, 6.9f}, {-11.2f, 1.95f, -8.0f}, 62.0f));
-    builder.addCamera(cameraAt("Upper gallery", {-11.9f, 6.65f, -5.6f}, {0.5f, 2.4f, 3.6f}, 64.0f));
+    builder.addCamera(cameraAt("Upper gallery", {-11.0f, 6.65f, -3.2f}, {3.0f, 2.6f, 1.4f}, 66.0f));
     builder.addCamera(cameraAt("From the eaves", {8.7f, 11.2f, 5.8f}, {-3.6f, 2.0f, -2.6f}, 60.0f));
     // In at a gallery, out between two columns, around the fountain, and back.
     builder.addPath(CameraPath{"Walk", 20.0f, true, {

@@ -15,6 +15,7 @@ struct Entry {
 const std::vector<Entry>& entries() {
     static const std::vector<Entry> table = {
         {{"courtyard", "Two floors of arcades around a sunlit court with a fountain; textured stone, brick and tiles"}, fillCourtyard},
+        {{"cathedral", "A Gothic nave with ribbed vaults; sunlight through stained glass on a polished floor"}, fillCathedral},
         {{"cornell", "The classic box: red and green walls, two blocks, a glass ball and a mirror ball"}, fillCornell},
     };
     return table;

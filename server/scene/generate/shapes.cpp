@@ -229,6 +229,27 @@ void addRectangleSweep(MeshWriter& writer, float halfX, float halfZ, const Polyl
     }
 }
 
+void addProfiledPrism(MeshWriter& writer, const Polyline& section, const Polyline& profile, float creaseDegrees) {
+    float size = 0.0f;  // turns scale into metres, so that the profile has true slopes
+    for (const vec2& p : section) size = std::max(size, glm::length(p));
+    Polyline scaledProfile;
+    for (const vec2& p : profile) scaledProfile.push_back({p.x * size, p.y});
+    const std::vector<ProfilePiece> around = piecesOf(section, true, creaseDegrees);
+    for (const ProfilePiece& rise : piecesOf(scaledProfile, false, creaseDegrees)) {
+        for (const ProfilePiece& side : around) {
+            auto corner = [&](vec2 p, vec2 n, float along, vec2 at, vec2 slope, float height) {
+                const float scale = at.x / size, lean = slope.y * glm::dot(p, n) / size;
+                return writer.vertex({p.x * scale, at.y, -p.y * scale}, {n.x * slope.x, lean, -n.y * slope.x}, {along * scale, height});
+            };
+            const uint32_t a = corner(side.from, side.normalFrom, side.lengthFrom, rise.from, rise.normalFrom, rise.lengthFrom);
+            const uint32_t b = corner(side.to, side.normalTo, side.lengthTo, rise.from, rise.normalFrom, rise.lengthFrom);
+            const uint32_t c = corner(side.to, side.normalTo, side.lengthTo, rise.to, rise.normalTo, rise.lengthTo);
+            const uint32_t d = corner(side.from, side.normalFrom, side.lengthFrom, rise.to, rise.normalTo, rise.lengthTo);
+            writer.quad(a, b, c, d);
+        }
+    }
+}
+
 void addSurface(MeshWriter& writer, uint32_t columns, uint32_t rows, vec2 uvScale, const std::function<vec3(float, float)>& at) {
     const float eps = 1e-3f;
     std::vector<uint32_t> ids;

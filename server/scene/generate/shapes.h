@@ -58,6 +58,10 @@ Polyline circleSection(uint32_t corners);
 /// string courses, cornices, steps. The profile's outside lies on its right.
 void addRectangleSweep(MeshWriter& writer, float halfX, float halfZ, const Polyline& profile, float creaseDegrees = 30.0f);
 
+/// A vertical body: `section` (counter-clockwise in x and -z, about the axis, star-shaped) scaled by profile.x at height
+/// profile.y, from bottom to top. Bundled columns with bases and capitals. Open at both ends.
+void addProfiledPrism(MeshWriter& writer, const Polyline& section, const Polyline& profile, float creaseDegrees = 35.0f);
+
 /// A surface over the unit square, (columns x rows) cells, normals by differences; `uvScale` in metres. Open.
 void addSurface(MeshWriter& writer, uint32_t columns, uint32_t rows, vec2 uvScale, const std::function<vec3(float, float)>& at);
 

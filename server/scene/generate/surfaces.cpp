@@ -229,6 +229,53 @@ SurfaceImages paintRipples(const std::string& name, uint32_t seed) {
     });
 }
 
+ImageData paintStainedGlass(const std::string& name, uint32_t width, int palette, uint32_t seed) {
+    // Linear transmittances of the glass: ground, second, third, accent, pale.
+    static const vec3 glass[3][5] = {
+        {{0.72f, 0.05f, 0.05f}, {0.10f, 0.16f, 0.62f}, {0.80f, 0.50f, 0.08f}, {0.08f, 0.42f, 0.16f}, {0.90f, 0.80f, 0.58f}},
+        {{0.06f, 0.16f, 0.66f}, {0.10f, 0.36f, 0.62f}, {0.72f, 0.07f, 0.08f}, {0.80f, 0.56f, 0.12f}, {0.78f, 0.84f, 0.84f}},
+        {{0.66f, 0.62f, 0.52f}, {0.58f, 0.60f, 0.54f}, {0.74f, 0.60f, 0.30f}, {0.34f, 0.46f, 0.58f}, {0.80f, 0.77f, 0.68f}}};
+    const vec3* colors = glass[palette];
+    const uint32_t height = 2 * width;
+    ImageData image{.width = width, .height = height, .srgb = true, .name = name};
+    image.rgba8.resize(size_t(width) * height * 4);
+    for (uint32_t y = 0; y < height; ++y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            const vec2 uv((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height));
+            // Medallions down the middle of each half, small pieces of the ground colour around them, a beaded border.
+            const vec2 p(fraction(uv.x * 2.0f) - 0.5f, uv.y * 6.0f), local(p.x * 1.15f, fraction(p.y) - 0.5f);
+            const int number = int(std::floor(p.y)) * 2 + (uv.x < 0.5f ? 0 : 1);
+            const float angle = std::atan2(local.y, local.x), radius = glm::length(local) * (1.0f + 0.10f * std::cos(4.0f * angle));
+            const float border = std::min(std::abs(p.x + 0.5f), std::abs(0.5f - p.x));
+            const Cell piece = cellNoise(vec2(uv.x * 12.0f, uv.y * 30.0f), 60, seed + 3, 0.8f);
+            vec3 color;
+            float lead = piece.border * 0.5f;
+            if (border < 0.07f) {
+                const float bead = fraction(p.y * 5.0f);
+                color = colors[int(std::floor(p.y * 5.0f)) % 2 == 0 ? 2 : 4];
+                lead = std::min({0.5f * std::min(bead, 1.0f - bead), 6.0f * std::abs(border - 0.07f)});
+            } else if (radius < 0.36f) {
+                const int sector = int(std::floor((angle + 3.14159265f) / 6.2831853f * 8.0f));
+                const float turn = fraction((angle + 3.14159265f) / 6.2831853f * 8.0f), arc = std::min(turn, 1.0f - turn) * radius * 0.8f;
+                if (radius < 0.12f) color = colors[3], lead = 4.0f * (0.12f - radius);
+                else if (radius < 0.27f) color = colors[(sector + number) % 2 == 0 ? 2 : 4], lead = std::min({6.0f * arc, 4.0f * (radius - 0.12f), 4.0f * (0.27f - radius)});
+                else color = colors[(sector % 2) == 0 ? 1 : 3], lead = std::min({6.0f * arc, 4.0f * (radius - 0.27f), 4.0f * (0.36f - radius)});
+            } else {
+                color = glm::mix(colors[0], colors[1], piece.id < 0.3f ? 0.9f : 0.25f * piece.id);
+                lead = std::min({lead, 4.0f * (radius - 0.36f), 6.0f * (border - 0.07f)});
+            }
+            const float streak = 0.80f + 0.35f * (fractalNoise(vec2(uv.x * 20.0f, uv.y * 48.0f), 4096, 3, seed) - 0.3f) + 0.2f * (piece.id - 0.5f);
+            color *= streak * (0.02f + 0.98f * stepBetween(0.03f, 0.09f, lead));
+            for (int c = 0; c < 3; ++c) {
+                const float l = std::clamp(color[c], 0.0f, 1.0f);
+                image.rgba8[(size_t(y) * width + x) * 4 + size_t(c)] = byteOf(l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1.0f / 2.4f) - 0.055f);
+            }
+            image.rgba8[(size_t(y) * width + x) * 4 + 3] = 255;
+        }
+    }
+    return image;
+}
+
 uint32_t addSurfaceMaterial(SceneBuilder& builder, const SurfaceImages& images, Material base, const std::string& name,
                             float normalScale) {
     auto slotFor = [&](const ImageData& image) {
