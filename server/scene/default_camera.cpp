@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -60,19 +61,27 @@ Nearest traceAll(const Scene& scene, dvec3 origin, dvec3 direction) {
     return nearest;
 }
 
-/// Rays around the horizon and below; a courtyard has no roof.
-bool looksLikeRoom(const Scene& scene, dvec3 center) {
-    if (scene.triangleCount() > MOST_TESTED_TRIANGLES || scene.instances.size() > 10'000) return false;
-    constexpr int RAYS = 20;
-    std::array<bool, RAYS> wall{};
+/// How many of RAYS rays meet a surface that faces their origin: from the middle outwards, around the horizon and below (a
+/// courtyard has no roof), or from outside to the middle.
+constexpr int RAYS = 20;
+int facingSurfaces(const Scene& scene, dvec3 center, bool fromOutside) {
+    const double far = 4.0 * scene.bounds.radius();
+    std::array<bool, RAYS> faces{};
     tbb::parallel_for(0, RAYS, [&](int i) {
         const double azimuth = 2.0 * std::numbers::pi * (i + 0.3) / RAYS;
-        const dvec3 direction = glm::normalize(dvec3(std::cos(azimuth), i % 2 == 0 ? 0.1 : -0.4, std::sin(azimuth)));
-        wall[i] = traceAll(scene, center, direction).facesOrigin;
+        const double rise = fromOutside ? 0.2 : i % 2 == 0 ? 0.1 : -0.4;
+        const dvec3 direction = glm::normalize(dvec3(std::cos(azimuth), rise, std::sin(azimuth)));
+        faces[i] = fromOutside ? traceAll(scene, center + direction * far, -direction).facesOrigin
+                               : traceAll(scene, center, direction).facesOrigin;
     });
-    int walls = 0;
-    for (bool is : wall) walls += is ? 1 : 0;
-    return walls >= RAYS * 17 / 20;
+    return static_cast<int>(std::count(faces.begin(), faces.end(), true));
+}
+
+/// Walls all around, and either as large as a building (metres) or no outside to look at: a helmet has walls, too.
+bool looksLikeRoom(const Scene& scene, dvec3 center) {
+    if (scene.triangleCount() > MOST_TESTED_TRIANGLES || scene.instances.size() > 10'000) return false;
+    if (facingSurfaces(scene, center, false) < RAYS * 17 / 20) return false;
+    return scene.bounds.radius() > 4.0f || facingSurfaces(scene, center, true) < RAYS / 2;
 }
 
 }  // namespace
@@ -91,7 +100,7 @@ NamedCamera defaultCamera(const Scene& scene) {
         const Nearest behind = traceAll(scene, eye, along);
         const double back = std::min(behind.distance, 0.5 * glm::dot(size, along)) * 0.8;
         camera.position = vec3(eye + along * back);
-        camera.forward = vec3(-along);
+        camera.forward = vec3(dvec3(0.0) - along);
         return camera;
     }
     const dvec3 direction = glm::normalize(dvec3(0.45, 0.35, 1.0));

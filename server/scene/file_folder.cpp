@@ -55,18 +55,17 @@ std::vector<uint8_t> readFile(const fs::path& path, uint64_t mostBytes) {
     return bytes;
 }
 
-std::string percentDecoded(const std::string& text, const std::string& where) {
+std::string percentDecoded(std::string_view text, const std::string& where) {
     std::string decoded;
     for (size_t i = 0; i < text.size(); i++) {
         char c = text[i];
         if (c == '%') {
             const int high = i + 2 < text.size() ? hexDigit(text[i + 1]) : -1;
             const int low = i + 2 < text.size() ? hexDigit(text[i + 2]) : -1;
-            if (high < 0 || low < 0) throw InputError(where, "broken escape in " + shown(text), "% and two hexadecimal digits");
+            if (high < 0 || low < 0) throw InputError(where, "broken escape in " + shown(std::string(text.substr(0, 200))), "% and two hexadecimal digits");
             c = static_cast<char>(high * 16 + low);
             i += 2;
         }
-        if (c == '\0') throw InputError(where, "a NUL character in the path");
         decoded.push_back(c);
     }
     return decoded;
@@ -101,7 +100,8 @@ FileFolder::FileFolder(const fs::path& sceneFile) {
 
 fs::path FileFolder::resolve(const std::string& reference, const std::string& where) const {
     const std::string allowed = "a relative path inside the scene file's folder";
-    if (reference.empty()) throw InputError(where, "an empty path", allowed);
+    if (reference.empty() || reference.find('\0') != std::string::npos)
+        throw InputError(where, "an empty path or one with a NUL character", allowed);
     const fs::path relative(reference);
     const bool hasScheme = reference.substr(0, reference.find('/')).find(':') != std::string::npos;
     const bool climbs = std::find(relative.begin(), relative.end(), fs::path("..")) != relative.end();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace heliograph {
@@ -14,8 +15,8 @@ constexpr uint64_t MOST_FILE_BYTES = uint64_t(2) << 30;
 /// The bytes of a regular file. Throws InputError if it is missing, unreadable, no regular file or too large.
 std::vector<uint8_t> readFile(const std::filesystem::path& path, uint64_t mostBytes = MOST_FILE_BYTES);
 
-/// Undoes %XX. Throws InputError naming `where` for a broken escape or a NUL.
-std::string percentDecoded(const std::string& text, const std::string& where);
+/// Undoes %XX. Throws InputError naming `where` for a broken escape.
+std::string percentDecoded(std::string_view text, const std::string& where);
 
 /// Undoes base64; false for a character or length that is not base64.
 bool decodeBase64(std::string_view text, std::vector<uint8_t>& bytes);
@@ -26,7 +27,7 @@ public:
     explicit FileFolder(const std::filesystem::path& sceneFile);
 
     /// Path of the file that a relative reference means ('/' separates). Throws InputError naming `where` for an absolute
-    /// path, a scheme, "..", a missing file, or a file that lies outside after all.
+    /// path, a scheme, "..", a NUL, a missing file, or a file that lies outside after all.
     std::filesystem::path resolve(const std::string& reference, const std::string& where) const;
 
 private:

@@ -3,6 +3,7 @@
 #include "server/base/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -124,10 +125,43 @@ void checkAccessor(GltfDocument& document, size_t i) {
     checkFit(sparse.count, size, size, sparse.values.byteOffset, document.view(sparse.values.bufferView).size(), where + "/sparse/values");
 }
 
+/// Warns where the declared min and max, in stored units, are not those of the elements.
+void checkBounds(GltfDocument& document, int index) {
+    const tinygltf::Accessor& raw = document.model.accessors[static_cast<size_t>(index)];
+    const GltfAccessor reader(document, index);
+    const int count = reader.components();
+    std::array<float, 16> low, high, value{};
+    low.fill(INFINITY);
+    high.fill(-INFINITY);
+    for (size_t i = 0; i < raw.count; i++) {
+        reader.readStored(i, value.data());
+        for (int c = 0; c < count; c++) {
+            low[c] = std::min(low[c], value[c]);
+            high[c] = std::max(high[c], value[c]);
+        }
+    }
+    for (int c = 0; c < count; c++) {
+        const float wantedLow = static_cast<float>(raw.minValues[c]), wantedHigh = static_cast<float>(raw.maxValues[c]);
+        if (low[c] == wantedLow && high[c] == wantedHigh) continue;
+        document.warnings.push_back("/accessors/" + std::to_string(index) + ": min or max is not that of its elements");
+        return;
+    }
+}
+
 }  // namespace
 
 void checkAccessors(GltfDocument& document) {
     for (size_t i = 0; i < document.model.accessors.size(); i++) checkAccessor(document, i);
+    // Accessors may overlap: what is looked at stays in proportion to the file.
+    uint64_t components = 0;
+    for (size_t i = 0; i < document.model.accessors.size(); i++) {
+        const tinygltf::Accessor& accessor = document.model.accessors[i];
+        const size_t count = static_cast<size_t>(componentsOf(accessor.type));
+        if (accessor.bufferView < 0 || accessor.minValues.size() != count || accessor.maxValues.size() != count) continue;
+        components += accessor.count * count;
+        if (components > 1'000'000 + 4 * document.sourceBytes) return;
+        checkBounds(document, static_cast<int>(i));
+    }
 }
 
 GltfAccessor::GltfAccessor(const GltfDocument& document, int index)
@@ -168,11 +202,17 @@ const uint8_t* GltfAccessor::element(size_t index) const {
 }
 
 void GltfAccessor::readFloats(size_t index, int wanted, bool alwaysNormalized, float* out) const {
+    read(index, std::min(wanted, components_), accessor_.normalized || alwaysNormalized, out);
+}
+
+void GltfAccessor::readStored(size_t index, float* out) const { read(index, components_, false, out); }
+
+void GltfAccessor::read(size_t index, int count, bool normalized, float* out) const {
     const uint8_t* bytes = element(index);
     const int rows = rowsOf(accessor_.type);
-    for (int c = 0; c < std::min(wanted, components_); c++) {
+    for (int c = 0; c < count; c++) {
         const size_t offset = rows ? c / rows * columnStride_ + c % rows * componentBytes_ : c * componentBytes_;
-        out[c] = bytes ? asFloat(bytes + offset, accessor_.componentType, accessor_.normalized || alwaysNormalized) : 0.0f;
+        out[c] = bytes ? asFloat(bytes + offset, accessor_.componentType, normalized) : 0.0f;
     }
 }
 

@@ -21,17 +21,18 @@ public:
     int componentType() const { return accessor_.componentType; }
     bool normalized() const { return accessor_.normalized; }
     bool isMatrix() const;
-    /// There are bytes behind it; else all elements are zero but for a sparse overlay.
-    bool hasData() const { return accessor_.bufferView >= 0 || accessor_.sparse.isSparse; }
 
     /// Writes min(components(), wanted) components of element `index` as float. Integers are scaled to [0, 1] or [-1, 1] if
     /// the accessor is normalised or `alwaysNormalized`.
     void readFloats(size_t index, int wanted, bool alwaysNormalized, float* out) const;
+    /// All components of element `index` as stored: integers are not scaled.
+    void readStored(size_t index, float* out) const;
     /// Element `index` of an unsigned integer scalar accessor.
     uint32_t readIndex(size_t index) const;
 
 private:
     const uint8_t* element(size_t index) const;
+    void read(size_t index, int count, bool normalized, float* out) const;
 
     const tinygltf::Accessor& accessor_;
     int components_ = 0;

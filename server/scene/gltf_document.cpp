@@ -123,7 +123,11 @@ public:
             } else if (parts_.isBinary && i == 0 && !parts_.binary.empty()) {
                 bytes = parts_.binary;
             } else {
-                throw InputError(document_.at(at), "the buffer has no data", "a uri, or the BIN chunk of a GLB");
+                // Legal where nothing refers to it; a buffer view that does is refused.
+                document_.warnings.push_back(at + " has no data: neither a uri nor the BIN chunk of a GLB");
+                document_.buffers.emplace_back();
+                i++;
+                continue;
             }
             if (bytes.size() < length) {
                 throw InputError(document_.at(at + "/byteLength"), std::to_string(length) + " for " + std::to_string(bytes.size()) + " bytes",
@@ -169,11 +173,15 @@ private:
         std::vector<uint8_t> bytes;
         if (uri.rfind("data:", 0) == 0) {
             const size_t comma = uri.find(',');
+            if (comma == std::string::npos) throw InputError(document_.at(at), "a data URI without data", "data:<type>;base64,<data>");
             const std::string head = uri.substr(0, std::min(comma, size_t(200)));
-            if (comma == std::string::npos || head.size() < 7 || head.compare(head.size() - 7, 7, ";base64") != 0)
-                throw InputError(document_.at(at), "a data URI that is not base64", "data:<type>;base64,<data>");
-            if (!decodeBase64(std::string_view(uri).substr(comma + 1), bytes))
-                throw InputError(document_.at(at), "broken base64 data");
+            const std::string_view data = std::string_view(uri).substr(comma + 1);
+            if (head.size() >= 7 && head.compare(head.size() - 7, 7, ";base64") == 0) {
+                if (!decodeBase64(data, bytes)) throw InputError(document_.at(at), "broken base64 data");
+            } else {
+                const std::string plain = percentDecoded(data, document_.at(at));
+                bytes.assign(plain.begin(), plain.end());
+            }
             if (isBuffer && head != "data:application/octet-stream;base64" && head != "data:application/gltf-buffer;base64")
                 document_.warnings.push_back(at + ": media type '" + head.substr(5, 60) + "' of a buffer");
         } else {
@@ -203,7 +211,7 @@ void checkViews(const json& root, const GltfDocument& document) {
         if (offset > size || length > size - offset) {
             throw InputError(document.at("/bufferViews/" + std::to_string(i)),
                              "bytes " + std::to_string(offset) + " to " + std::to_string(offset + length),
-                             "at most " + std::to_string(size) + ", the buffer's length");
+                             "at most byte " + std::to_string(size) + ", the end of the buffer's data");
         }
         i++;
     }

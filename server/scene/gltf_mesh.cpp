@@ -105,8 +105,6 @@ MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::v
         return mesh;
     }
     const GltfAccessor positions(document_, position->second);
-    if (primitive.extensions.count("KHR_draco_mesh_compression") && !positions.hasData())
-        throw InputError(document_.at(pointer), "the geometry is compressed with KHR_draco_mesh_compression", "uncompressed geometry");
     const size_t vertexCount = positions.count();
     std::vector<uint32_t> corners = cornersOf(primitive, vertexCount, pointer);
     if (mode == TINYGLTF_MODE_TRIANGLES ? corners.size() % 3 != 0 || corners.empty() : corners.size() < 3)
@@ -137,7 +135,8 @@ MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::v
         vertices = std::move(flat);
     }
     readAttributes(primitive, vertices, mesh, pointer);
-    checkBounds(position->second, pointer, mesh, vertices);
+    const tinygltf::Accessor& bounds = document_.model.accessors[static_cast<size_t>(position->second)];
+    if (bounds.minValues.size() != 3 || bounds.maxValues.size() != 3) builder_.warn(pointer + ": POSITION has no min and max");
     applyMorphs(primitive, weights, vertices, mesh);
     return mesh;
 }
@@ -188,29 +187,13 @@ void GltfMeshReader::applyMorphs(const tinygltf::Primitive& primitive, const std
             values[i] += delta * static_cast<float>(weights[target]);
         }
     };
+    if (!weights.empty() && weights.size() != primitive.targets.size())
+        builder_.warn("a mesh has " + std::to_string(weights.size()) + " weights for " + std::to_string(primitive.targets.size()) + " morph targets");
     for (size_t i = 0; i < primitive.targets.size() && i < weights.size(); i++) {
         if (weights[i] == 0.0) continue;
         account(vertices.size(), "/meshes");
         add(i, "POSITION", mesh.positions);
         add(i, "NORMAL", mesh.normals);
-    }
-}
-
-void GltfMeshReader::checkBounds(int index, const std::string& pointer, const MeshData& mesh, const std::vector<uint32_t>& vertices) {
-    const tinygltf::Accessor& accessor = document_.model.accessors[static_cast<size_t>(index)];
-    if (accessor.minValues.size() != 3 || accessor.maxValues.size() != 3) {
-        builder_.warn(pointer + ": POSITION has no min and max");
-        return;
-    }
-    const bool scaled = accessor.normalized;  // bounds are then in stored integers
-    for (size_t i = 0; i < vertices.size() && !scaled; i++) {
-        for (int c = 0; c < 3; c++) {
-            const float value = mesh.positions[i][c];
-            const size_t k = static_cast<size_t>(c);
-            if (value >= static_cast<float>(accessor.minValues[k]) && value <= static_cast<float>(accessor.maxValues[k])) continue;
-            builder_.warn(pointer + ": POSITION leaves its min and max");
-            return;
-        }
     }
 }
 

@@ -21,7 +21,6 @@ private:
     void account(uint64_t elements, const std::string& pointer);
     void readAttributes(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices, MeshData& mesh, const std::string& pointer);
     void applyMorphs(const tinygltf::Primitive& primitive, const std::vector<double>& weights, const std::vector<uint32_t>& vertices, MeshData& mesh);
-    void checkBounds(int accessor, const std::string& pointer, const MeshData& mesh, const std::vector<uint32_t>& vertices);
 
     const GltfDocument& document_;
     SceneBuilder& builder_;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 namespace heliograph {
 
@@ -74,6 +75,10 @@ public:
             for (size_t i = node.children.size(); i-- > 0;) steps.push_back({node.children[i], toWorld, step.depth + 1});
             report(progress_, "nodes", double(++visited) / double(document_.model.nodes.size()));
         }
+        std::set<int> drawn;
+        for (const auto& [key, parts] : parts_) drawn.insert(key.first);
+        const size_t left = document_.model.meshes.size() - drawn.size();
+        if (left > 0) builder_.warn(std::to_string(left) + " meshes are not placed by the scene: not read");
     }
 
 private:
@@ -103,7 +108,7 @@ private:
     }
 
     void placeMesh(const tinygltf::Node& node, int index, const dmat4& toWorld) {
-        const std::vector<uint32_t>& parts = meshParts(node, index);
+        const std::vector<uint32_t>& parts = meshParts(node);
         const auto crowd = node.extensions.find("EXT_mesh_gpu_instancing");
         const std::vector<dmat4> copies = crowd == node.extensions.end() ? std::vector<dmat4>{dmat4(1.0)} : instanceTransforms(crowd->second, index);
         instances_ += copies.size() * parts.size();
@@ -114,7 +119,7 @@ private:
     }
 
     /// The builder's meshes for the mesh of a node, one per primitive. Nodes with the same mesh and weights share them.
-    const std::vector<uint32_t>& meshParts(const tinygltf::Node& node, int index) {
+    const std::vector<uint32_t>& meshParts(const tinygltf::Node& node) {
         const tinygltf::Mesh& mesh = document_.model.meshes[static_cast<size_t>(node.mesh)];
         const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
         const auto [found, isNew] = parts_.try_emplace({node.mesh, weights});
@@ -129,7 +134,6 @@ private:
             data.materials.assign(data.indices.size(), materials_[material]);
             found->second.push_back(builder_.addMesh(std::move(data)));
         }
-        (void)index;
         return found->second;
     }
 
@@ -182,8 +186,6 @@ private:
             builder_.warn("camera '" + from.name + "' of type '" + from.type.substr(0, 40) + "' is not offered: only perspective ones are");
             return;
         }
-        if (from.perspective.zfar > 0.0 && from.perspective.zfar <= from.perspective.znear)
-            builder_.warn("camera '" + from.name + "': zfar is not beyond znear; both are ignored");
         NamedCamera camera;
         camera.name = !from.name.empty() ? from.name : !node.name.empty() ? node.name : "camera " + std::to_string(++cameras_);
         camera.position = vec3(toWorld[3]);

@@ -3,7 +3,7 @@
 #include "server/base/error.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <set>
 
 namespace heliograph {
@@ -200,7 +200,9 @@ public:
         checkVersion();
         checkExtensionLists();
         checkHierarchy();
+        checkCompression();
         checkNodes();
+        checkData();
         checkPlaces(root_, "", 0);
     }
 
@@ -315,6 +317,23 @@ private:
         }
     }
 
+    /// Compressed geometry may come without a plain copy even where the extension is not required.
+    void checkCompression() const {
+        const json& meshes = arrayOf("meshes");
+        for (size_t m = 0; m < meshes.size(); m++) {
+            for (size_t p = 0; p < meshes[m]["primitives"].size(); p++) {
+                const json& primitive = meshes[m]["primitives"][p];
+                if (!primitive.contains("extensions") || !primitive["extensions"].contains("KHR_draco_mesh_compression")) continue;
+                const auto plain = [this](const json& index) { return arrayOf("accessors")[index.get<size_t>()].contains("bufferView"); };
+                const bool indices = !primitive.contains("indices") || plain(primitive["indices"]);
+                const json& attributes = primitive["attributes"];
+                if (indices && attributes.contains("POSITION") && plain(attributes["POSITION"])) continue;
+                refuse("/meshes/" + std::to_string(m) + "/primitives/" + std::to_string(p),
+                       "geometry compressed with KHR_draco_mesh_compression", "uncompressed geometry");
+            }
+        }
+    }
+
     void checkNodes() {
         const json& nodes = arrayOf("nodes");
         for (size_t i = 0; i < nodes.size(); i++) {
@@ -325,10 +344,29 @@ private:
             if (!node.contains("mesh") && (node.contains("skin") || node.contains("weights")))
                 warn(at + " has a skin or weights but no mesh: ignored");
         }
+    }
+
+    void checkData() {
         const json& views = arrayOf("bufferViews");
         for (size_t i = 0; i < views.size(); i++) {
-            if (views[i].contains("byteStride") && views[i]["byteStride"].get<double>() != 4.0 * int(views[i]["byteStride"].get<double>() / 4.0))
-                refuse("/bufferViews/" + std::to_string(i) + "/byteStride", views[i]["byteStride"].dump(), "a multiple of 4");
+            if (!views[i].contains("byteStride")) continue;
+            const std::string at = "/bufferViews/" + std::to_string(i) + "/byteStride";
+            const double stride = views[i]["byteStride"].get<double>();
+            if (std::fmod(stride, 4.0) != 0.0) refuse(at, views[i]["byteStride"].dump(), "a multiple of 4");
+            if (stride > views[i]["byteLength"].get<double>()) warn(at + " is more than byteLength");
+            if (views[i].value("target", 34962) != 34962) warn(at + " is meant for vertex data only");
+        }
+        const json& accessors = arrayOf("accessors");
+        for (size_t i = 0; i < accessors.size(); i++) {
+            if (accessors[i].contains("byteOffset") && !accessors[i].contains("bufferView"))
+                warn("/accessors/" + std::to_string(i) + " has a byteOffset but no bufferView: all zero");
+        }
+        const json& cameras = arrayOf("cameras");
+        for (size_t i = 0; i < cameras.size(); i++) {
+            if (!cameras[i].contains("perspective") || !cameras[i]["perspective"].contains("zfar")) continue;
+            const json& lens = cameras[i]["perspective"];
+            if (lens["zfar"].get<double>() <= lens["znear"].get<double>())
+                warn("/cameras/" + std::to_string(i) + ": zfar is not beyond znear; both are ignored");
         }
         const json& images = arrayOf("images");
         for (size_t i = 0; i < images.size(); i++) {
@@ -358,6 +396,7 @@ private:
         if (!extensions.is_object()) return;
         const bool insideArray = std::count(at.begin(), at.end(), '/') == 2;  // "/materials/3"
         for (const auto& [name, extension] : extensions.items()) {
+            if (name == "KHR_texture_transform" && insideArray) warn(at + "/extensions/" + name + ": not expected here, ignored");
             if (!used_.count(name)) warn(at + "/extensions/" + name + ": the extension is not declared in /extensionsUsed");
             for (const KnownExtension& known : KNOWN) {
                 if (name != known.name || !*known.on || at.empty()) continue;

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <set>
 
 namespace heliograph {
 
@@ -123,6 +124,10 @@ void GltfTextures::load(const Progress& progress) {
         budget.take(image.name, image.bytes.size(), info.decodedBytes());
         keys.push_back(key);
     }
+    std::set<int> used;
+    for (const auto& [key, loaded] : images_) used.insert(key.first);
+    const size_t left = document_.images.size() - used.size();
+    if (left > 0) builder_.warn(std::to_string(left) + " images are not drawn by any material: not read");
     std::vector<ImageData> decoded(keys.size());
     std::vector<std::string> faults(keys.size());
     std::atomic<size_t> done{0};

@@ -17,15 +17,25 @@ constexpr uint64_t MOST_PIXELS = uint64_t(128) << 20;
 constexpr uint64_t BUDGET_BASE = uint64_t(192) << 20;
 constexpr uint64_t BUDGET_PER_BYTE = 100;
 
-/// The name under which OpenImageIO picks its reader, or null. By content, never by the file's own name.
-const char* readerName(std::span<const uint8_t> file) {
-    const auto starts = [&](const char* magic, size_t length) {
-        return file.size() >= length && std::memcmp(file.data(), magic, length) == 0;
-    };
-    if (starts("\x89PNG\r\n\x1a\n", 8)) return "memory.png";
-    if (starts("\xff\xd8\xff", 3)) return "memory.jpg";
-    if (starts("\x76\x2f\x31\x01", 4)) return "memory.exr";
-    if (starts("#?", 2)) return "memory.hdr";
+/// A format that we read: how its files begin and the name of OpenImageIO's reader.
+struct Format {
+    std::string_view magic;
+    const char* reader;
+    bool hdr;
+};
+constexpr Format FORMATS[] = {
+    {"\x89PNG\r\n\x1a\n", "png", false},
+    {"\xff\xd8\xff", "jpeg", false},
+    {std::string_view("\x76\x2f\x31\x01", 4), "openexr", true},
+    {"#?", "hdr", true},
+};
+
+/// By content, never by the file's name.
+const Format* formatOf(std::span<const uint8_t> file) {
+    const std::string_view bytes(reinterpret_cast<const char*>(file.data()), file.size());
+    for (const Format& format : FORMATS) {
+        if (bytes.substr(0, format.magic.size()) == format.magic) return &format;
+    }
     return nullptr;
 }
 
@@ -35,20 +45,24 @@ struct OpenedImage {
     std::unique_ptr<OIIO::ImageInput> input;
     ImageInfo info;
 
-    OpenedImage(std::span<const uint8_t> file, const std::string& name)
+    /// `path`: the file that the bytes are from, for the readers that cannot read from memory; may be empty.
+    OpenedImage(std::span<const uint8_t> file, const std::string& name, const std::string& path)
         : memory(const_cast<uint8_t*>(file.data()), file.size()) {
-        const char* reader = readerName(file);
-        if (!reader) throw InputError(name, "unknown image format", "PNG, JPEG, Radiance HDR or OpenEXR");
-        OIIO::ImageSpec config;
-        config.attribute("oiio:UnassociatedAlpha", 1);
-        input = OIIO::ImageInput::open(reader, &config, &memory);
+        const Format* format = formatOf(file);
+        if (!format) throw InputError(name, "unknown image format", "PNG, JPEG, Radiance HDR or OpenEXR");
+        input = OIIO::ImageInput::create(format->reader);
         if (!input) throw InputError(name, "the image cannot be read: " + firstLine(OIIO::geterror()));
-        const OIIO::ImageSpec& spec = input->spec();
+        const bool fromMemory = input->set_ioproxy(&memory);
+        if (!fromMemory && path.empty()) throw InputError(name, "a Radiance HDR image inside another file", "PNG or JPEG");
+        OIIO::ImageSpec config, spec;
+        config.attribute("oiio:UnassociatedAlpha", 1);
+        if (!input->open(fromMemory ? std::string("memory.") + format->reader : path, spec, config))
+            throw InputError(name, "the image cannot be read: " + firstLine(input->geterror()));
         check(spec, name);
         info.width = static_cast<uint32_t>(spec.width);
         info.height = static_cast<uint32_t>(spec.height);
         info.channels = spec.nchannels;
-        info.hdr = std::strcmp(reader, "memory.exr") == 0 || std::strcmp(reader, "memory.hdr") == 0;
+        info.hdr = format->hdr;
     }
 
     static std::string firstLine(const std::string& text) { return text.substr(0, std::min(text.find('\n'), size_t(200))); }
@@ -100,12 +114,9 @@ void spreadToRgb(std::vector<float>& pixels, size_t texels, int channels) {
     }
 }
 
-}  // namespace
-
-ImageInfo inspectImage(std::span<const uint8_t> file, const std::string& name) { return OpenedImage(file, name).info; }
-
-ImageData decodeImage(std::span<const uint8_t> file, const std::string& name, bool srgb) {
-    OpenedImage opened(file, name);
+/// Reads all pixels; `path` as for OpenedImage.
+ImageData decode(std::span<const uint8_t> file, const std::string& name, const std::string& path, bool srgb) {
+    OpenedImage opened(file, name, path);
     ImageData image;
     image.width = opened.info.width;
     image.height = opened.info.height;
@@ -125,9 +136,17 @@ ImageData decodeImage(std::span<const uint8_t> file, const std::string& name, bo
     return image;
 }
 
+}  // namespace
+
+ImageInfo inspectImage(std::span<const uint8_t> file, const std::string& name) { return OpenedImage(file, name, {}).info; }
+
+ImageData decodeImage(std::span<const uint8_t> file, const std::string& name, bool srgb) {
+    return decode(file, name, {}, srgb);
+}
+
 ImageData loadImage(const std::filesystem::path& path, bool srgb) {
     const std::vector<uint8_t> file = readFile(path);
-    return decodeImage(file, path.string(), srgb);
+    return decode(file, path.string(), path.string(), srgb);
 }
 
 void ImageBudget::take(const std::string& name, uint64_t fileBytes, uint64_t decodedBytes) {

@@ -48,9 +48,33 @@ std::array<float, 256> decodeTable(bool srgb) {
     return table;
 }
 
+/// Rounds linear values to sRGB bytes without a power per texel: a table guesses the byte, the linear values that lie half-way
+/// between two bytes decide.
+class SrgbCoder {
+public:
+    SrgbCoder() {
+        for (int i = 0; i < 255; i++) halfWay_[i] = static_cast<float>(srgbToLinear((i + 0.5) / 255.0));
+        halfWay_[255] = 2.0f;
+        for (int i = 0; i < GUESSES; i++)
+            guess_[i] = static_cast<uint8_t>(std::lround(linearToSrgb(static_cast<double>(i) / (GUESSES - 1)) * 255.0));
+    }
+    uint32_t byteOf(float linear) const {
+        uint32_t byte = guess_[static_cast<int>(linear * (GUESSES - 1))];
+        while (byte > 0 && linear < halfWay_[byte - 1]) byte--;
+        while (linear >= halfWay_[byte]) byte++;
+        return byte;
+    }
+
+private:
+    static constexpr int GUESSES = 4096;
+    std::array<float, 256> halfWay_;  // between byte i and i + 1
+    std::array<uint8_t, GUESSES> guess_;
+};
+
 uint32_t codeByte(float linear, bool srgb) {
-    const double value = std::clamp(static_cast<double>(linear), 0.0, 1.0);
-    return static_cast<uint32_t>(std::lround((srgb ? linearToSrgb(value) : value) * 255.0));
+    static const SrgbCoder coder;
+    const float value = std::clamp(linear, 0.0f, 1.0f);
+    return srgb ? coder.byteOf(value) : static_cast<uint32_t>(std::lround(value * 255.0f));
 }
 
 uint32_t codeTexel(vec4 texel, uint32_t format) {

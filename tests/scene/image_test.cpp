@@ -127,6 +127,17 @@ TEST(Pyramid, KeepsTheFirstLevelBitForBit) {
     }
 }
 
+TEST(Pyramid, RoundsToTheNearestSrgbByte) {
+    // Two equal texels: their mean must code to the same byte, for every byte.
+    for (int i = 0; i < 256; i++) {
+        ImageData image;
+        image.width = 2;
+        image.height = 1;
+        for (int k = 0; k < 2; k++) image.rgba8.insert(image.rgba8.end(), {uint8_t(i), uint8_t(i), uint8_t(i), 255});
+        EXPECT_EQ(pyramidOf(image, false).texels[2] & 255u, uint32_t(i));
+    }
+}
+
 TEST(Pyramid, TransparentTexelsDoNotBleed) {
     ImageData image;
     image.width = 2;
