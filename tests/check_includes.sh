@@ -22,7 +22,7 @@ main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...
 LIBRARIES='
-embree3/         device/embree
+embree3/         device/embree device/vulkan
 vulkan/          device/vulkan
 libwebsockets    net
 nats             pool

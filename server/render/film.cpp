@@ -68,7 +68,7 @@ bool Film::claim(const TileResult& result) {
     std::unique_lock lock(mutex_);
     auto continues = [&] {
         return tile.generation == generation_ && fits(tile) &&
-               result.radianceSum.size() == static_cast<size_t>(tile.size.x) * tile.size.y &&
+               result.sums().size() == static_cast<size_t>(tile.size.x) * tile.size.y &&
                everyBlock(tile, [&](const Block& b) { return b.samples == tile.firstSample; });
     };
     // A claim moves the count at once: a duplicate of a result that is just being added is refused here, while one that
@@ -99,7 +99,7 @@ void Film::release(const Tile& tile) {
 bool Film::add(const TileResult& result) {
     if (!claim(result)) return false;
     const Tile& tile = result.tile;
-    const vec4* from = result.radianceSum.data();
+    const vec4* from = result.sums().data();
     for (uint32_t y = 0; y < tile.size.y; y++, from += tile.size.x) {
         glm::dvec4* to = &sums_[static_cast<size_t>(tile.origin.y + y) * resolution_.x + tile.origin.x];
         if (tile.firstSample == 0) {

@@ -4,6 +4,7 @@
 #include "shaders/kernel/kernel_types.h"
 
 #include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,12 @@ struct TileResult {
     Tile tile;
     std::string device;
     std::vector<vec4> radianceSum;   // rgb = sum of radiance, w = sum of squared luminance
+    std::span<const vec4> mapped;    // the same in the device's memory, valid while the sink runs; then radianceSum is empty
     RayCounts rays;
     uint64_t nonfiniteSamples = 0;   // samples left out because they were NaN or infinite
     double seconds = 0.0;            // thread time spent on it
+
+    std::span<const vec4> sums() const { return radianceSum.empty() ? mapped : std::span<const vec4>(radianceSum); }
 };
 
 }  // namespace heliograph

@@ -1,0 +1,113 @@
+#include "server/device/vulkan/gpu_scene.h"
+
+#include "server/base/error.h"
+#include "server/device/vulkan/bvh_builder.h"
+#include "server/render/kernel_tables.h"
+
+#include <chrono>
+
+namespace heliograph {
+
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+std::string mebibytes(uint64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
+
+}  // namespace
+
+bool GpuScene::isTexelBinding(uint32_t index, uint32_t width) {
+    return width == 4 && index >= binding::BVH_NODES && index <= binding::TEXEL_FETCH;
+}
+
+template <typename T>
+void GpuScene::put(uint32_t index, const char* what, const T* data, size_t count) {
+    uint64_t bytes = count * sizeof(T);
+    bool texels = isTexelBinding(index, bvhWidth_);
+    uint64_t limit = texels ? uint64_t(gpu_.physical().texelElements) * sizeof(T) : gpu_.physical().bufferRange;
+    if (bytes > limit)
+        throw InputError("scene", std::string(what) + " of " + mebibytes(bytes),
+                         gpu_.physical().name + " takes at most " + mebibytes(limit) + " of them; use another device");
+    VkBufferUsageFlags usage = texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    buffers_[index] = gpu_.filled(data, bytes, usage);
+    if (texels) views_[index] = view(buffers_[index], sizeof(T) == 16 ? VK_FORMAT_R32G32B32A32_UINT : VK_FORMAT_R32_UINT);
+}
+
+GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress)
+    : gpu_(gpu), scene_(std::move(scene)), bvhWidth_(widthFor(gpu.physical())) {
+    double begin = now();
+    BvhOptions options;
+    options.width = bvhWidth_;
+    options.maxLeaf = bvhWidth_ == 4 ? 4 : 3;
+    options.quality = quality;
+    Bvh bvh = buildBvh(*scene_, options, progress);
+    stackDepth_ = bvh.stackDepth;
+    double built = now();
+    buildSeconds_ = built - begin;
+    report(progress, "uploading the scene", 0.8);
+    const Scene& s = *scene_;
+    std::vector<Instance> instances = s.instances;
+    for (Instance& instance : instances) instance.root = bvh.meshRoots[instance.mesh];
+    try {
+        put(binding::POSITIONS, "vertices", s.positions.data(), s.positions.size());
+        put(binding::ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
+        put(binding::TANGENTS, "tangents", s.tangents.data(), s.tangents.size());
+        put(binding::TRIANGLES, "triangles", s.triangles.data(), s.triangles.size());
+        put(binding::MESHES, "meshes", s.meshes.data(), s.meshes.size());
+        put(binding::INSTANCES, "instances", instances.data(), instances.size());
+        put(binding::MATERIALS, "materials", s.materials.data(), s.materials.size());
+        put(binding::TEXTURES, "textures", s.textures.data(), s.textures.size());
+        put(binding::IMAGES, "images", s.images.data(), s.images.size());
+        put(binding::IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
+        // CPU-type devices fetch texels through the texel buffer, which may be larger than a storage buffer.
+        bool fetched = bvhWidth_ == 4;
+        put(fetched ? binding::TEXEL_FETCH : binding::TEXELS, "images' texels", s.texels.data(), s.texels.size());
+        put(fetched ? binding::TEXELS : binding::TEXEL_FETCH, "", s.texels.data(), 0);
+        put(binding::LIGHTS, "lights", s.lights.data(), s.lights.size());
+        put(binding::ENVIRONMENT, "environment", &s.environment, 1);
+        put(binding::SOBOL, "sample points", sobolTable().data(), sobolTable().size());
+        put(binding::BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
+        put(binding::BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
+    } catch (...) {
+        for (VkBufferView view : views_) vkDestroyBufferView(gpu_.handle(), view, nullptr);
+        throw;
+    }
+    uploadSeconds_ = now() - built;
+}
+
+GpuScene::~GpuScene() {
+    for (VkBufferView view : views_) vkDestroyBufferView(gpu_.handle(), view, nullptr);
+}
+
+VkBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {
+    VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    info.buffer = buffer.handle();
+    info.format = format;
+    info.range = VK_WHOLE_SIZE;
+    VkBufferView view;
+    check(vkCreateBufferView(gpu_.handle(), &info, nullptr, &view), "make a view of a buffer");
+    return view;
+}
+
+void GpuScene::bind(VkDescriptorSet set) const {
+    VkDescriptorBufferInfo infos[binding::COUNT];
+    std::vector<VkWriteDescriptorSet> writes;
+    for (uint32_t i = binding::POSITIONS; i <= binding::TEXEL_FETCH; i++) {
+        if (i == binding::UNUSED) continue;
+        VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+        write.dstSet = set;
+        write.dstBinding = i;
+        write.descriptorCount = 1;
+        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        infos[i] = {buffers_[i].handle(), 0, VK_WHOLE_SIZE};
+        write.pBufferInfo = &infos[i];
+        if (isTexelBinding(i, bvhWidth_)) {
+            write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+            write.pTexelBufferView = &views_[i];
+        }
+        writes.push_back(write);
+    }
+    vkUpdateDescriptorSets(gpu_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
+}
+
+}  // namespace heliograph

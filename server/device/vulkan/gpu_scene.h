@@ -1,0 +1,56 @@
+#pragma once
+// A scene in a GPU's memory: the kernel's arrays and tables and the trees, in the order of their bindings.
+
+#include "server/device/vulkan/bvh_layout.h"
+#include "server/device/vulkan/gpu.h"
+#include "server/base/progress.h"
+#include "server/scene/scene.h"
+
+namespace heliograph {
+
+/// Bindings of shaders/kernel/buffers.glsl, device.glsl and trace.comp.
+namespace binding {
+constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIANGLES = 4, MESHES = 5, INSTANCES = 6, MATERIALS = 7,
+                   TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13,
+                   UNUSED = 14, SOBOL = 15, BVH_NODES = 16, BVH_TRIANGLES = 17, TEXEL_FETCH = 18, TILES = 19, SUMS = 20,
+                   COUNTS = 21, COUNT = 22;
+}
+
+class GpuScene {
+public:
+    /// Builds the trees and uploads. quality: 0 low, 1 medium, 2 high. Throws InputError for a scene that does not fit the
+    /// device's buffers, naming the array; VulkanError when memory runs out.
+    GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress);
+    ~GpuScene();
+    GpuScene(const GpuScene&) = delete;
+    GpuScene& operator=(const GpuScene&) = delete;
+
+    const Scene& scene() const { return *scene_; }
+    /// Children of a tree node: 4 on CPU-type devices, which read texel buffers faster, else 2.
+    uint32_t bvhWidth() const { return bvhWidth_; }
+    uint32_t stackDepth() const { return stackDepth_; }
+    double buildSeconds() const { return buildSeconds_; }
+    double uploadSeconds() const { return uploadSeconds_; }
+    /// Writes the scene's bindings of a set.
+    void bind(VkDescriptorSet set) const;
+
+    static uint32_t widthFor(const PhysicalDevice& physical) { return physical.isCpu() ? 4 : 2; }
+    /// Whether binding `index` of a set for trees of `width` is a texel buffer.
+    static bool isTexelBinding(uint32_t index, uint32_t width);
+
+private:
+    template <typename T>
+    void put(uint32_t index, const char* what, const T* data, size_t count);
+    VkBufferView view(const GpuBuffer& buffer, VkFormat format) const;
+
+    Gpu& gpu_;
+    std::shared_ptr<const Scene> scene_;
+    uint32_t bvhWidth_ = 2;
+    uint32_t stackDepth_ = 0;
+    double buildSeconds_ = 0.0;
+    double uploadSeconds_ = 0.0;
+    GpuBuffer buffers_[binding::COUNT];
+    VkBufferView views_[binding::COUNT] = {};
+};
+
+}  // namespace heliograph

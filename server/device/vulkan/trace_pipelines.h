@@ -1,0 +1,40 @@
+#pragma once
+// The tracer's compute pipelines, one for each set of effects and size of stacks, made when first needed and kept.
+
+#include "server/device/vulkan/gpu_scene.h"
+#include "server/render/frame_request.h"
+
+#include <map>
+#include <tuple>
+
+namespace heliograph {
+
+/// Pending rays that a pixel can have at once: how deep `settings` let rays branch, for the effects in use. Rounded up so
+/// that dragging a slider does not compile a pipeline for every step.
+uint32_t pathStackSize(EffectSet effects, const Settings& settings);
+
+class TracePipelines {
+public:
+    /// bvhWidth: 2 or 4, as the scene's.
+    TracePipelines(Gpu& gpu, uint32_t bvhWidth);
+    ~TracePipelines();
+    TracePipelines(const TracePipelines&) = delete;
+    TracePipelines& operator=(const TracePipelines&) = delete;
+
+    VkPipelineLayout layout() const { return layout_; }
+    VkDescriptorSet newSet();
+    void freeSet(VkDescriptorSet set);
+    VkPipeline get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack);
+
+private:
+    VkPipeline make(EffectSet effects, uint32_t pathStack, uint32_t bvhStack) const;
+
+    Gpu& gpu_;
+    VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
+    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+    VkShaderModule module_ = VK_NULL_HANDLE;
+    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, VkPipeline> pipelines_;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,45 @@
+// The whole kernel and the traversal for a compute shader. The including file declares the constants EFFECTS and BVH_STACK
+// and is compiled with BVH_WIDTH 2 (GPUs: storage buffers) or 4 (CPU-type devices: texel buffers, which they read faster).
+#ifndef HELIOGRAPH_DEVICE_GLSL
+#define HELIOGRAPH_DEVICE_GLSL
+
+#ifndef BVH_WIDTH
+#define BVH_WIDTH 2
+#endif
+#define HAS(effect) ((EFFECTS & (effect)) != 0u)
+#include "kernel/compat.glsl"
+#include "kernel/types.glsl"
+#include "kernel/buffers.glsl"
+
+// Sums in C++'s order on every device; the built-in functions leave it open.
+float exactDot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+vec3 exactCross(vec3 a, vec3 b) {
+    return vec3(a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y);
+}
+#define dot exactDot
+#define cross exactCross
+
+#if BVH_WIDTH == 2
+layout(std430, set = 0, binding = 16) readonly buffer NodeBuffer { uvec4 bvhNodes[]; };
+layout(std430, set = 0, binding = 17) readonly buffer BvhTriangleBuffer { uvec4 bvhTriangles[]; };
+#define BVH_NODE(i) bvhNodes[i]
+#define BVH_TRIANGLE(i) bvhTriangles[i]
+#else
+layout(set = 0, binding = 16) uniform usamplerBuffer bvhNodes;
+layout(set = 0, binding = 17) uniform usamplerBuffer bvhTriangles;
+layout(set = 0, binding = 18) uniform usamplerBuffer imageTexels;
+#define BVH_NODE(i) texelFetch(bvhNodes, int(i))
+#define BVH_TRIANGLE(i) texelFetch(bvhTriangles, int(i))
+#undef TEXEL
+#define TEXEL(i) texelFetch(imageTexels, int(i)).x
+#endif
+
+#include "kernel/kernel_files.inc"
+#include "kernel/ray_triangle.glsl"
+
+#ifndef BVH_HOLE
+#define BVH_HOLE(hit) isCutOut(surfaceAt(origin, direction, 0.0f, 0.0f, hit))
+#endif
+#include "kernel/bvh.glsl"
+
+#endif

@@ -1,0 +1,182 @@
+#version 460
+// The Vulkan driver of the kernel: one invocation renders one pixel of one tile, all its samples. It keeps the pending rays
+// of a pixel on a stack and sums in the order that kernel/whitted.glsl states, as the CPU driver does. No shading here.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+
+layout(local_size_x = 64) in;
+layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;  // exactly those of the request
+layout(constant_id = 1) const uint PATH_STACK = 16u;       // pending rays of a pixel, at least what the settings allow
+layout(constant_id = 2) const uint BVH_STACK = 64u;
+
+#include "device.glsl"
+
+struct TraceTile {
+    uvec2 origin;      // pixels
+    uvec2 size;
+    uint firstSample;
+    uint sampleCount;
+    uint firstGroup;   // workgroups of 8 x 8 pixels, row by row
+    uint firstPixel;   // in `sums`
+};
+
+layout(std430, set = 0, binding = 19) readonly buffer TileBuffer { TraceTile tiles[]; };
+layout(std430, set = 0, binding = 20) writeonly buffer SumBuffer { vec4 sums[]; };
+layout(std430, set = 0, binding = 21) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, then not finite
+layout(push_constant) uniform Batch { uint tileCount; };
+
+const uint COUNTS = 8u;
+
+uint primaryRays = 0u;
+uint shadowRays = 0u;
+uint occlusionRays = 0u;
+uint reflectionRays = 0u;
+uint refractionRays = 0u;
+
+// Share of the light that gets through the transparent surfaces on a shadow ray's way, nearest first.
+vec3 transmittance(Ray ray) {
+    vec3 origin = ray.origin;
+    float left = ray.tMax;
+    vec3 through = vec3(1.0f);
+    for (uint i = 0u; i < MAX_SHADOW_SURFACES; i++) {
+        Hit hit;
+        traverse(origin, ray.direction, left, TRACE_TRANSPARENT, hit);
+        shadowRays++;
+        if (hit.instance == NO_INDEX) return through;
+        Surface s = surfaceAt(origin, ray.direction, 0.0f, 0.0f, hit);
+        through = through * surfaceTransmittance(s, ray.direction);
+        if (!(maxComponent(through) > 0.0f)) return vec3(0.0f);
+        left = left - s.distance;
+        if (!(left > 0.0f)) return through;
+        origin = offsetRayOrigin(s.position, -s.geometricNormal);
+    }
+    return vec3(0.0f);
+}
+
+// The rays to the lights, in order, then those into the hemisphere.
+void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, Surface s, Shading m, vec3 wo, vec3 throughput, vec3 ambient,
+                 bool occlusion, inout vec3 radiance) {
+    uint lights = FRAME.lightCount;
+    uint total = lights + (occlusion ? FRAME.aoSamples : 0u);
+    uint visible = 0u;
+    uint shift = occlusionShift(pixel, p.salt);
+    vec3 tangent = vec3(0.0f);
+    vec3 bitangent = vec3(0.0f);
+    if (occlusion) orthonormalBasis(m.normal, tangent, bitangent);
+    for (uint i = 0u; i < total; i++) {
+        ShadowRay r;
+        if (i < lights) {
+            r = lightRay(i, s, m, wo, throughput);
+            if (!(maxComponent(r.contribution) > 0.0f)) continue;
+            if (!HAS(EFFECT_SHADOWS)) {
+                radiance = radiance + r.contribution;
+                continue;
+            }
+            shadowRays++;
+        } else {
+            r.ray.origin = offsetRayOrigin(s.position, s.geometricNormal);
+            r.ray.direction = occlusionDirection(SOBOL(occlusionNumber(sampleIndex, i - lights)), shift, m.normal,
+                                                 s.geometricNormal, tangent, bitangent);
+            r.ray.tMax = FRAME.aoDistance;
+            occlusionRays++;
+        }
+        Hit unused;
+        uint found = traverse(r.ray.origin, r.ray.direction, r.ray.tMax, TRACE_ANY, unused);
+        if ((found & FOUND_BLOCKED) != 0u) continue;
+        if (i >= lights) {
+            visible++;
+            continue;
+        }
+        if (HAS(EFFECT_TRANSPARENT_SHADOWS) && (found & FOUND_TRANSPARENT) != 0u)
+            r.contribution = r.contribution * transmittance(r.ray);
+        radiance = radiance + r.contribution;
+    }
+    if (occlusion) radiance = radiance + ambient * occlusionVisibility(visible);
+}
+
+vec3 renderSample(uvec2 pixel, uint sampleIndex) {
+    PathState stack[PATH_STACK];
+    uint top = 0u;
+    vec3 radiance = vec3(0.0f);
+    PathState p = startSample(pixel, sampleIndex);
+    for (bool first = true;; first = false) {
+        if (first) primaryRays++;
+        else if (rayKindOf(p.depth) == RAY_REFLECTION) reflectionRays++;
+        else refractionRays++;
+        Hit hit;
+        traverse(p.origin, p.direction, FLOAT_MAX, TRACE_CLOSEST, hit);
+        if (hit.instance == NO_INDEX) {
+            radiance = radiance + missRadiance(p);
+        } else {
+            Surface s = surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hit);
+            Shading m = shadingAt(s);
+            vec3 wo = -p.direction;
+            vec3 throughput = p.throughput * mediumTransmittance(p.medium, s);
+            radiance = radiance + emittedRadiance(m, throughput);
+            vec3 ambient = ambientContribution(m, wo, throughput);
+            bool occlusion = needsOcclusion(ambient);
+            if (!occlusion) radiance = radiance + ambient;
+            PathState reflection;
+            PathState refraction;
+            PathState pass;
+            uint next = nextRays(p, s, m, throughput, reflection, refraction, pass, radiance);
+            if ((next & NEXT_REFLECTION) != 0u) stack[top++] = reflection;
+            if ((next & NEXT_PASS) != 0u) stack[top++] = pass;
+            if ((next & NEXT_REFRACTION) != 0u) stack[top++] = refraction;
+            gatherLight(pixel, sampleIndex, p, s, m, wo, throughput, ambient, occlusion, radiance);
+        }
+        if (top == 0u) return radiance;
+        p = stack[--top];
+    }
+    return radiance;
+}
+
+// The tile that a workgroup belongs to: the last one that begins at or before it.
+uint tileOf(uint group) {
+    uint low = 0u;
+    uint high = tileCount;
+    while (high - low > 1u) {
+        uint middle = (low + high) / 2u;
+        if (tiles[middle].firstGroup <= group) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+void addCount(uint tileIndex, uint kind, uint value) {
+    uint sum = subgroupAdd(value);
+    if (sum != 0u && subgroupElect()) atomicAdd(counts[tileIndex * COUNTS + kind], sum);
+}
+
+void main() {
+    uint group = gl_WorkGroupID.x;
+    uint tileIndex = tileOf(group);
+    TraceTile tile = tiles[tileIndex];
+    uint columns = (tile.size.x + 7u) / 8u;
+    uint local = group - tile.firstGroup;
+    // Z order inside the 8 x 8 square: neighbours in a subgroup are neighbours in the picture.
+    uint lane = gl_LocalInvocationID.x;
+    uvec2 inSquare = uvec2((lane & 1u) | ((lane >> 1) & 2u) | ((lane >> 2) & 4u),
+                           ((lane >> 1) & 1u) | ((lane >> 2) & 2u) | ((lane >> 3) & 4u));
+    uvec2 at = uvec2(local % columns, local / columns) * 8u + inSquare;
+    uint nonfinite = 0u;
+    if (at.x < tile.size.x && at.y < tile.size.y) {
+        vec4 sum = vec4(0.0f);
+        for (uint i = 0u; i < tile.sampleCount; i++) {
+            vec3 radiance = renderSample(tile.origin + at, tile.firstSample + i);
+            if (isFinite3(radiance)) {
+                float y = luminance(radiance);
+                sum = sum + vec4(radiance, y * y);
+            } else {
+                nonfinite++;
+            }
+        }
+        sums[tile.firstPixel + at.y * tile.size.x + at.x] = sum;
+    }
+    addCount(tileIndex, 0u, primaryRays);
+    addCount(tileIndex, 1u, shadowRays);
+    addCount(tileIndex, 2u, occlusionRays);
+    addCount(tileIndex, 3u, reflectionRays);
+    addCount(tileIndex, 4u, refractionRays);
+    addCount(tileIndex, 5u, nonfinite);
+}
