@@ -1,7 +1,5 @@
 #include "server/render/kernel_tables.h"
 
-#include <cmath>
-
 namespace heliograph {
 
 namespace {
@@ -44,19 +42,6 @@ const std::vector<uvec2>& sobolTable() {
     return table;
 }
 
-const std::vector<float>& texelTable() {
-    static const std::vector<float> table = [] {
-        std::vector<float> values(512);
-        for (int i = 0; i < 256; i++) {
-            double c = i / 255.0;
-            values[i] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-            values[256 + i] = static_cast<float>(c);
-        }
-        return values;
-    }();
-    return table;
-}
-
 SceneView sceneView(const Scene& scene) {
     SceneView view;
     view.positions = scene.positions.data();
@@ -72,7 +57,6 @@ SceneView sceneView(const Scene& scene) {
     view.texels = scene.texels.data();
     view.lights = scene.lights.data();
     view.environment = &scene.environment;
-    view.texelTable = texelTable().data();
     view.sobol = sobolTable().data();
     return view;
 }

@@ -11,9 +11,6 @@ namespace heliograph {
 /// Hash-based Owen Scrambling", JCGT 9(4) 2020). 32-bit fixed point in [0, 1).
 const std::vector<uvec2>& sobolTable();
 
-/// Linear value of each 8-bit code: 256 for sRGB codes (IEC 61966-2-1), then 256 for linear ones.
-const std::vector<float>& texelTable();
-
 /// The scene and the tables as the kernel sees them; valid as long as the scene.
 SceneView sceneView(const Scene& scene);
 

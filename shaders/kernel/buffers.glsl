@@ -16,7 +16,6 @@ layout(std430, set = 0, binding = 10) readonly buffer ImageLevelBuffer { ImageLe
 layout(std430, set = 0, binding = 11) readonly buffer TexelBuffer { uint texels[]; };
 layout(std430, set = 0, binding = 12) readonly buffer LightBuffer { Light lights[]; };
 layout(std430, set = 0, binding = 13) readonly buffer EnvironmentBuffer { Environment environmentData; };
-layout(std430, set = 0, binding = 14) readonly buffer TexelTableBuffer { float texelValues[]; };
 layout(std430, set = 0, binding = 15) readonly buffer SobolBuffer { uvec2 sobolPoints[]; };
 
 #define FRAME frameConstants
@@ -34,7 +33,6 @@ layout(std430, set = 0, binding = 15) readonly buffer SobolBuffer { uvec2 sobolP
 #define TEXEL(i) texels[i]
 #define LIGHT(i) lights[i]
 #define ENVIRONMENT environmentData
-#define TEXEL_TABLE(i) texelValues[i]
 #define SOBOL(i) sobolPoints[i]
 
 #endif

@@ -1,6 +1,6 @@
 // The bridge that lets one source be three programs: GLSL for Vulkan, scalar C++, and C++ on SIMD lanes (kernel.h,
 // kernel_lanes.h). Rules of the shared subset:
-//   no swizzles, no in/out keywords but OUT() and INOUT(), `f` on every literal, no array or struct constructors;
+//   no swizzles, no in/out keywords but IN() for large structs, OUT() and INOUT(), `f` on every literal, no array or struct constructors;
 //   only math.glsl for transcendental functions;
 //   a choice between values is SELECT(condition, yes, no), both sides are computed;
 //   a branch on values is `if (ANY(condition))` and chooses with SELECT inside, since some lanes may say no;
@@ -12,6 +12,7 @@
 #ifdef __cplusplus
 #define KERNEL_CONSTANT static constexpr
 #else
+#define IN(T) T
 #define OUT(T) out T
 #define INOUT(T) inout T
 #define KERNEL_CONSTANT const

@@ -5,6 +5,7 @@
 #include "shaders/kernel/scene_view.h"
 
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
+#define IN(T) const T&
 #define OUT(T) T&
 #define INOUT(T) T&
 #define SELECT(condition, yes, no) ((condition) ? (yes) : (no))
@@ -27,7 +28,6 @@
 #define TEXEL(i) scene.texels[i]
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)
-#define TEXEL_TABLE(i) scene.texelTable[i]
 #define SOBOL(i) scene.sobol[i]
 
 namespace heliograph::scalar_kernel {

@@ -8,6 +8,7 @@
 #include "shaders/kernel/lanes.h"
 
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
+#define IN(T) const T&
 #define OUT(T) T&
 #define INOUT(T) T&
 #define SELECT(condition, yes, no) select(condition, yes, no)
@@ -30,7 +31,6 @@
 #define TEXEL(i) Uint((VectorUint)gatherWords(scene.texels, i, 4))
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)
-#define TEXEL_TABLE(i) Float((VectorFloat)gatherWords(scene.texelTable, i, 4))
 #define SOBOL(i) scene.sobol[i]
 
 namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {

@@ -244,7 +244,9 @@ HELIOGRAPH_INLINE VectorInt gatherWords(const void* base, Uint index, uint32_t s
 HELIOGRAPH_INLINE void gatherRows(const void* base, Uint index, uint32_t stride, VectorFloat& x, VectorFloat& y,
                                   VectorFloat& z, VectorFloat& w) {
     const char* bytes = static_cast<const char*>(base);
-    auto row = [&](int lane) { return _mm_loadu_ps(reinterpret_cast<const float*>(bytes + size_t(index.v[lane]) * stride)); };
+    alignas(64) uint32_t at[LANES];  // through memory: taking lanes out of a register one by one is slower
+    __builtin_memcpy(at, &index.v, sizeof at);
+    auto row = [&](int lane) { return _mm_loadu_ps(reinterpret_cast<const float*>(bytes + size_t(at[lane]) * stride)); };
 #if defined(__AVX512F__)
     auto rows = [&](int i) {
         __m512 r = _mm512_castps128_ps512(row(i));

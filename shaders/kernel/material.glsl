@@ -16,7 +16,7 @@ struct Shading {
 };
 
 // Slope of a height image: three heights one texel apart. Blinn, "Simulation of Wrinkled Surfaces" (1978).
-vec3 bumpNormal(Surface s, uint slot, float scale) {
+vec3 bumpNormal(IN(Surface) s, uint slot, float scale) {
     uint image = TEXTURE(slot, image);
     uint level = IMAGE(image, firstLevel);
     vec2 du = vec2(1.0f / float(int(IMAGE_LEVEL(level, width))), 0.0f);
@@ -28,7 +28,7 @@ vec3 bumpNormal(Surface s, uint slot, float scale) {
 }
 
 // The normal map's normal in world space, kept above the geometric surface.
-vec3 mappedNormal(Surface s, uint slot, float scale, uint flags) {
+vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
     // Without tangents in the file: the uv frame of the triangle.
     float det = s.uvEdge1.x * s.uvEdge2.y - s.uvEdge1.y * s.uvEdge2.x;
     float turn = SELECT(det < 0.0f, -1.0f, 1.0f);
@@ -53,13 +53,13 @@ vec3 mappedNormal(Surface s, uint slot, float scale, uint flags) {
 }
 
 // Opacity from map_d: red or alpha.
-float opacityAt(Surface s, uint slot, uint flags) {
+float opacityAt(IN(Surface) s, uint slot, uint flags) {
     vec4 texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint);
     return SELECT((flags & MATERIAL_OPACITY_RED) != 0u, texel.x, texel.w);
 }
 
 // Base colour and alpha with vertex colours and textures.
-vec4 baseColorAt(Surface s, uint flags) {
+vec4 baseColorAt(IN(Surface) s, uint flags) {
     vec4 base = MATERIAL(s.material, baseColor);
     if (HAS(EFFECT_VERTEX_COLORS)) base = base * s.color;
     if (HAS(EFFECT_TEXTURES)) {
@@ -73,12 +73,12 @@ vec4 baseColorAt(Surface s, uint flags) {
 }
 
 // True where a cut-out has a hole: what the intersection filters of the devices ask.
-bool isCutOut(Surface s) {
+bool isCutOut(IN(Surface) s) {
     uint flags = MATERIAL(s.material, flags);
     return (flags & MATERIAL_ALPHA_MASK) != 0u && baseColorAt(s, flags).w < MATERIAL(s.material, alphaCutoff);
 }
 
-void applyTextures(INOUT(Shading) r, INOUT(float) metallic, Surface s) {
+void applyTextures(INOUT(Shading) r, INOUT(float) metallic, IN(Surface) s) {
     uint metallicRoughness = MATERIAL(s.material, metallicRoughnessTexture);
     if (ANY(metallicRoughness != NO_INDEX)) {
         vec4 texel = sampleTexture(metallicRoughness, s.uv0, s.uv1, s.footprint);
@@ -104,7 +104,7 @@ void applyTextures(INOUT(Shading) r, INOUT(float) metallic, Surface s) {
     }
 }
 
-Shading shadingAt(Surface s) {
+Shading shadingAt(IN(Surface) s) {
     Shading r;
     r.flags = MATERIAL(s.material, flags);
     r.roughness = MATERIAL(s.material, roughness);
@@ -148,7 +148,7 @@ Shading shadingAt(Surface s) {
 
 // Reflected radiance per unit irradiance for light from wi seen from wo (unit vectors), cosine included. Phong: the
 // classical lobe, its peak 1 at any exponent, over pi so that Kd and Ks weigh alike.
-vec3 reflectedLight(Shading m, vec3 wo, vec3 wi) {
+vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
     float nDotL = max(dot(m.normal, wi), 0.0f);
     vec3 result = vec3(0.0f, 0.0f, 0.0f);
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;

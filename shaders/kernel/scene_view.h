@@ -19,7 +19,6 @@ struct SceneView {
     const uint32_t* texels = nullptr;
     const Light* lights = nullptr;
     const Environment* environment = nullptr;
-    const float* texelTable = nullptr;  // linear value of the 8-bit codes: 256 sRGB ones, then 256 linear ones
     const uvec2* sobol = nullptr;       // SOBOL_COUNT points
 };
 

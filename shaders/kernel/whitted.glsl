@@ -42,14 +42,17 @@ PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
     p.direction = cameraDirection(float(int(pixel.x)) + jitter.x, float(int(pixel.y)) + jitter.y);
     p.throughput = vec3(1.0f, 1.0f, 1.0f);
     p.coneWidth = 0.0f;
-    p.coneSpread = FRAME.camera.pixelSpread;
+    // The cone's spread is varied over [1/sqrt(2), sqrt(2)], half a mip level up or down: textures then take one level
+    // per sample and still blend smoothly. Fajardo et al., "Stochastic Texture Filtering" (2023).
+    float turn = unitFloat(hashPixel(pixel, sampleIndex));
+    p.coneSpread = (0.70710678f * FRAME.camera.pixelSpread) * (1.0f + turn * (0.65657f + turn * 0.34343f));
     p.depth = RAY_PRIMARY << 24;
     p.medium = 0u;
     p.salt = 0u;
     return p;
 }
 
-vec3 missRadiance(PathState p) { return p.throughput * environmentRadiance(p.direction, p.coneSpread); }
+vec3 missRadiance(IN(PathState) p) { return p.throughput * environmentRadiance(p.direction, p.coneSpread); }
 
 vec3 absorbed(uint material, float distance) {
     vec4 sigma = MATERIAL(material, absorption);
@@ -58,7 +61,7 @@ vec3 absorbed(uint material, float distance) {
 
 // Weight that is left after travelling to the surface in the path's medium (Beer-Lambert). A ray that meets the inside of
 // a body without having entered it (a camera in the glass) has travelled in that body.
-vec3 mediumTransmittance(uint medium, Surface s) {
+vec3 mediumTransmittance(uint medium, IN(Surface) s) {
     vec3 one = vec3(1.0f, 1.0f, 1.0f);
     if (!HAS(EFFECT_ABSORPTION)) return one;
     bool unknown = medium == 0u && s.side < 0.0f && (MATERIAL(s.material, flags) & MATERIAL_VOLUME) != 0u;
@@ -75,7 +78,7 @@ struct ShadowRay {
     vec3 contribution;  // to the pixel if nothing is in the way; 0 = no ray is needed
 };
 
-ShadowRay lightRay(UNIFORM_UINT index, Surface s, Shading m, vec3 wo, vec3 throughput) {
+ShadowRay lightRay(UNIFORM_UINT index, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
     ShadowRay r;
     LightSample light = lightAt(index, s.position);
     bool faces = dot(s.geometricNormal, light.direction) > 0.0f || dot(s.normal, light.direction) > 0.0f;
@@ -90,7 +93,7 @@ ShadowRay lightRay(UNIFORM_UINT index, Surface s, Shading m, vec3 wo, vec3 throu
 
 // Colour that one transparent surface lets through to a light; for the walk of shadow rays along their surfaces. A ray
 // that leaves a body has travelled s.distance in it.
-vec3 surfaceTransmittance(Surface s, vec3 direction) {
+vec3 surfaceTransmittance(IN(Surface) s, vec3 direction) {
     Shading m = shadingAt(s);
     float pass = 1.0f - m.alpha;
     vec3 through = vec3(pass, pass, pass);
@@ -111,7 +114,7 @@ vec3 surfaceTransmittance(Surface s, vec3 direction) {
 // ---- ambient light ----
 
 // Contribution of the ambient light to the pixel where nothing hides it.
-vec3 ambientContribution(Shading m, vec3 wo, vec3 throughput) {
+vec3 ambientContribution(IN(Shading) m, vec3 wo, vec3 throughput) {
     vec3 ambient = m.diffuse * ambientLight(m.normal);
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
     if (ANY(!phong)) {
@@ -164,7 +167,7 @@ float occlusionVisibility(uint visible) {
 
 // ---- secondary rays ----
 
-PathState continuedPath(PathState p, Surface s, vec3 direction, vec3 throughput, float side, UNIFORM_UINT branch) {
+PathState continuedPath(IN(PathState) p, IN(Surface) s, vec3 direction, vec3 throughput, float side, UNIFORM_UINT branch) {
     PathState next = p;
     next.origin = offsetRayOrigin(s.position, s.geometricNormal * side);
     next.direction = direction;
@@ -183,7 +186,7 @@ vec3 estimatedRadiance(vec3 direction, float spread, vec3 weight) {
 }
 
 // Adds one mirror ray, or its estimate where the depth, the threshold or the settings end it.
-uint followReflection(PathState p, Surface s, Shading m, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
+uint followReflection(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
     float share = maxComponent(weight);
     vec3 direction = p.direction - m.normal * (2.0f * dot(m.normal, p.direction));
     float above = dot(direction, s.geometricNormal);  // must stay outside
@@ -197,7 +200,7 @@ uint followReflection(PathState p, Surface s, Shading m, vec3 weight, OUT(PathSt
     return SELECT(follow, uint(NEXT_REFLECTION), uint(0u));
 }
 
-uint followRefraction(PathState p, Surface s, Shading m, vec3 weight, float eta, float cosI, float cosT,
+uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight, float eta, float cosI, float cosT,
                       OUT(PathState) next, INOUT(vec3) radiance) {
     float share = maxComponent(weight);
     bool solid = (m.flags & MATERIAL_VOLUME) != 0u;
@@ -216,7 +219,7 @@ uint followRefraction(PathState p, Surface s, Shading m, vec3 weight, float eta,
 }
 
 // The part of the light that a blended surface lets straight through.
-uint followPass(PathState p, Surface s, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
+uint followPass(IN(PathState) p, IN(Surface) s, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
     float share = maxComponent(weight);
     bool follow = alphaDepth(p.depth) < MAX_ALPHA_LAYERS && share > FRAME.contributionThreshold;
     bool ends = share > 0.0f && !follow;
@@ -235,7 +238,7 @@ struct Split {
     float cosT;
 };
 
-Split splitAt(PathState p, Surface s, Shading m) {
+Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
     Split r;
     r.cosI = saturate(-dot(m.normal, p.direction));
     r.cosT = r.cosI;
@@ -266,7 +269,7 @@ Split splitAt(PathState p, Surface s, Shading m) {
 // The rays that go on from a hit, with weights that sum to at most 1: mirror reflection, transmission, and what passes a
 // blended surface. Returns NEXT_* bits; rays that end here leave their estimate in `radiance` instead. Push them in the
 // order reflection, pass, refraction: the last one pushed is traced first.
-uint nextRays(PathState p, Surface s, Shading m, vec3 throughput, INOUT(PathState) reflection,
+uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, INOUT(PathState) reflection,
               INOUT(PathState) refraction, INOUT(PathState) pass, INOUT(vec3) radiance) {
     uint next = uint(0u);
     Split split = splitAt(p, s, m);
@@ -281,4 +284,4 @@ uint nextRays(PathState p, Surface s, Shading m, vec3 throughput, INOUT(PathStat
 }
 
 // Emission, and what an unlit surface shows.
-vec3 emittedRadiance(Shading m, vec3 throughput) { return throughput * m.emission * m.alpha; }
+vec3 emittedRadiance(IN(Shading) m, vec3 throughput) { return throughput * m.emission * m.alpha; }

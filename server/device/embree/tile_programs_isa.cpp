@@ -26,13 +26,15 @@ TileProgram* makeProgram() {
     return new CompiledProgram<EFFECTS>();
 }
 
-constexpr uint32_t PLAIN = EFFECT_SHADOWS | EFFECT_TEXTURES | EFFECT_ENVIRONMENT_IMAGE;
-constexpr uint32_t OPAQUE = PLAIN | EFFECT_AMBIENT_OCCLUSION | EFFECT_NORMAL_MAPS | EFFECT_EMISSION | EFFECT_VERTEX_COLORS;
+constexpr uint32_t PLAIN = EFFECT_SHADOWS | EFFECT_TEXTURES | EFFECT_ENVIRONMENT_IMAGE | EFFECT_EMISSION;
+constexpr uint32_t MIRRORS = PLAIN | EFFECT_REFLECTIONS | EFFECT_NORMAL_MAPS | EFFECT_TANGENTS;
+constexpr uint32_t OCCLUSION = MIRRORS | EFFECT_AMBIENT_OCCLUSION;
 constexpr uint32_t EVERYTHING = 0xffffffffu;
 
 constexpr TileProgramRow ROWS[] = {
     {PLAIN, makeProgram<PLAIN>},
-    {OPAQUE, makeProgram<OPAQUE>},
+    {MIRRORS, makeProgram<MIRRORS>},
+    {OCCLUSION, makeProgram<OCCLUSION>},
     {EVERYTHING, makeProgram<EVERYTHING>},
 };
 
