@@ -266,6 +266,8 @@ int SocketServer::Impl::callback(lws* wsi, lws_callback_reasons reason, void*, v
     const lws_protocols* protocol = lws_get_protocol(wsi);
     if (!server || !protocol) return 0;
     std::string_view bytes = in ? std::string_view(static_cast<const char*>(in), length) : std::string_view();
+    // The library names the protocol to upgrade to as a C string and gives no length.
+    if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE && in) bytes = static_cast<const char*>(in);
     try {
         if (reason == LWS_CALLBACK_WSI_DESTROY) server->forget(wsi);
         else if (protocol->name == std::string_view(PROTOCOL_NAME)) return server->viewer(wsi, reason, bytes);
