@@ -96,6 +96,17 @@ struct PathStacks {
     }
 };
 
+/// What is the same for all rays; tracing leaves it alone.
+HELIOGRAPH_INLINE void setConstants(RTCRay16& rays) {
+    for (uint32_t i = 0; i < PACKET; i++) {
+        rays.tnear[i] = 0.0f;
+        rays.time[i] = 0.0f;
+        rays.mask[i] = 0xffffffffu;
+        rays.id[i] = i;
+        rays.flags[i] = 0;
+    }
+}
+
 /// Rays towards one light, packed without gaps in lane order, with what each adds to its pixel.
 struct ShadowQueue {
     Buffer<RTCRay16> packets;
@@ -104,7 +115,10 @@ struct ShadowQueue {
     uint32_t count = 0;
     void reserve(uint32_t rays) {
         uint32_t rounded = (rays + PACKET - 1) / PACKET * PACKET;
-        packets.reserve(rounded / PACKET);
+        if (rounded / PACKET > packets.capacity) {
+            packets.reserve(rounded / PACKET);
+            for (uint32_t i = 0; i < packets.capacity; i++) setConstants(packets.data[i]);
+        }
         lanes.reserve(rounded);
         for (Buffer<float>& c : contribution) c.reserve(rounded);
         count = 0;
@@ -129,6 +143,10 @@ struct Arena {
     alignas(64) uint32_t primitive[BLOCK_LANES];
     alignas(64) uint32_t pixelX[BLOCK_LANES];
     alignas(64) uint32_t pixelY[BLOCK_LANES];
+    alignas(64) uint32_t relativeX[BLOCK_LANES];  // places of the lanes in a block of the size below
+    alignas(64) uint32_t relativeY[BLOCK_LANES];
+    uint32_t placedWidth = 0;
+    uint32_t placedHeight = 0;
     uint16_t active[BLOCK_LANES + PACKET];
     uint16_t hits[BLOCK_LANES + PACKET];
     uint16_t misses[BLOCK_LANES + PACKET];
@@ -140,7 +158,7 @@ struct Arena {
     uint32_t occlusionCount = 0;
     RTCRayHit16 packet;
 
-    Arena() = default;
+    Arena() { setConstants(packet.ray); }
     ~Arena() {
         for (uint32_t i = 0; i < shadowQueues; i++) delete shadows.data[i];
     }

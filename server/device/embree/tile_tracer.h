@@ -54,14 +54,23 @@ private:
 
     // Pixels in 4x4 groups, so that a packet looks through a square.
     uint32_t placeLanes(uint32_t left, uint32_t top, uint32_t width, uint32_t height) {
-        uint32_t lanes = 0;
-        for (uint32_t y = 0; y < height; y += 4)
-            for (uint32_t x = 0; x < width; x += 4)
-                for (uint32_t j = y; j < lesser(y + 4, height); j++)
-                    for (uint32_t i = x; i < lesser(x + 4, width); i++) {
-                        arena_.pixelX[lanes] = left + i;
-                        arena_.pixelY[lanes++] = top + j;
-                    }
+        if (arena_.placedWidth != width || arena_.placedHeight != height) {
+            uint32_t lanes = 0;
+            for (uint32_t y = 0; y < height; y += 4)
+                for (uint32_t x = 0; x < width; x += 4)
+                    for (uint32_t j = y; j < lesser(y + 4, height); j++)
+                        for (uint32_t i = x; i < lesser(x + 4, width); i++) {
+                            arena_.relativeX[lanes] = i;
+                            arena_.relativeY[lanes++] = j;
+                        }
+            arena_.placedWidth = width;
+            arena_.placedHeight = height;
+        }
+        uint32_t lanes = width * height;
+        for (uint32_t i = 0; i < lanes; i++) {
+            arena_.pixelX[i] = left + arena_.relativeX[i];
+            arena_.pixelY[i] = top + arena_.relativeY[i];
+        }
         return lanes;
     }
 
@@ -136,19 +145,36 @@ private:
             uint32_t count = lesser(PACKET, arena_.activeCount - first);
             fillPacket(packet.ray, lanes, count);
             traceClosest(job_.rtcScene, packet, count, mode());
-            for (uint32_t i = 0; i < count; i++) {
-                bool instanced = packet.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
-                uint32_t instance = instanced ? packet.hit.instID[0][i] : packet.hit.geomID[i];
-                arena_.instance[lanes[i]] = instance;
-                arena_.primitive[lanes[i]] = packet.hit.primID[i];
-                bool hit = instance != NO_INDEX;
-                arena_.hits[hitCount_] = lanes[i];
-                arena_.misses[missCount_] = lanes[i];
-                hitCount_ += hit;
-                missCount_ += !hit;
-            }
+            noteHits(packet, lanes, count);
         }
         countActive();
+    }
+
+    void noteHits(const RTCRayHit16& packet, const uint16_t* lanes, uint32_t count) {
+        uint32_t instance[PACKET];
+        bool whole = count == PACKET && lanes[PACKET - 1] == lanes[0] + PACKET - 1;
+        uint32_t misses = 0;
+        for (uint32_t i = 0; i < PACKET; i++) {
+            uint32_t placed = packet.hit.instID[0][i];
+            instance[i] = placed != RTC_INVALID_GEOMETRY_ID ? placed : packet.hit.geomID[i];
+            misses += instance[i] == NO_INDEX;
+        }
+        if (whole && misses == 0) {
+            std::memcpy(arena_.instance + lanes[0], instance, sizeof instance);
+            std::memcpy(arena_.primitive + lanes[0], packet.hit.primID, sizeof instance);
+            std::memcpy(arena_.hits + hitCount_, lanes, PACKET * sizeof *lanes);
+            hitCount_ += PACKET;
+            return;
+        }
+        for (uint32_t i = 0; i < count; i++) {
+            arena_.instance[lanes[i]] = instance[i];
+            arena_.primitive[lanes[i]] = packet.hit.primID[i];
+            bool hit = instance[i] != NO_INDEX;
+            arena_.hits[hitCount_] = lanes[i];
+            arena_.misses[missCount_] = lanes[i];
+            hitCount_ += hit;
+            missCount_ += !hit;
+        }
     }
 
     void countActive() {
@@ -180,18 +206,7 @@ private:
                 rays.dir_z[i] = path.direction[2][lanes[i]];
             }
         }
-        setConstants(rays, KernelType::FLOAT_MAX);
-    }
-
-    static HELIOGRAPH_INLINE void setConstants(RTCRay16& rays, float tMax) {
-        for (uint32_t i = 0; i < PACKET; i++) {
-            rays.tnear[i] = 0.0f;
-            rays.time[i] = 0.0f;
-            rays.tfar[i] = tMax;
-            rays.mask[i] = 0xffffffffu;
-            rays.id[i] = i;
-            rays.flags[i] = 0;
-        }
+        for (float& distance : rays.tfar) distance = KernelType::FLOAT_MAX;
     }
 
     void shadeMisses() {
@@ -320,10 +335,6 @@ private:
             uint32_t blocked = 0;
             uint32_t passed = 0;
             if (traced) {
-                float distance[PACKET];
-                std::memcpy(distance, packet.tfar, sizeof distance);
-                setConstants(packet, 0.0f);
-                std::memcpy(packet.tfar, distance, sizeof distance);
                 blocked = traceOccluded(job_.rtcScene, packet, rays, mode(), passed);
                 passed &= ~blocked;
             }
@@ -391,7 +402,7 @@ private:
             for (uint32_t index = 0; index < samples; index++) {
                 uvec2 point = kernel_.scene.sobol[kernel_.occlusionNumber(sample_, index)];
                 for (uint32_t at = 0; at < PACKET; at += LANES) aimOcclusion(group, at, point, rays);
-                setConstants(rays, kernel_.frame.aoDistance);
+                for (float& distance : rays.tfar) distance = kernel_.frame.aoDistance;
                 uint32_t passed = 0;
                 uint32_t blocked = traceOccluded(job_.rtcScene, rays, points, mode, passed);
                 for (uint32_t i = 0; i < PACKET; i++) visible[i] += 1u - (blocked >> i & 1u);
@@ -430,6 +441,7 @@ private:
     }
 
     void collect(uint32_t lanes) {
+        alignas(64) float squared[LANES];
         for (uint32_t first = 0; first < lanes; first += LANES) {
             Group g;
             g.first = first;
@@ -437,20 +449,19 @@ private:
             g.contiguous = true;  // reads past the last pixel stay inside the arrays
             Vec3 radiance = g.load(arena_.radiance);
             Float y = kernel_.luminance(radiance);
-            Float y2 = y * y;
-            uint32_t finite = laneBits(kernel_.isFinite3(radiance));
+            y = y * y;
+            std::memcpy(squared, &y.v, sizeof squared);
+            uint32_t finite = laneBits(kernel_.isFinite3(radiance)) & g.mask();
+            job_.nonfiniteSamples += g.count - static_cast<uint32_t>(__builtin_popcount(finite));
             for (uint32_t i = 0; i < g.count; i++) {
-                if (!(finite >> i & 1u)) {
-                    job_.nonfiniteSamples++;
-                    continue;
-                }
-                uint32_t x = arena_.pixelX[first + i] - job_.tile.origin.x;
-                uint32_t row = arena_.pixelY[first + i] - job_.tile.origin.y;
-                vec4& sum = job_.radianceSum[size_t(row) * job_.tile.size.x + x];
-                sum.x += radiance.x.v[i];
-                sum.y += radiance.y.v[i];
-                sum.z += radiance.z.v[i];
-                sum.w += y2.v[i];
+                if (!(finite >> i & 1u)) continue;
+                uint32_t lane = first + i;
+                uint32_t x = arena_.pixelX[lane] - job_.tile.origin.x;
+                uint32_t row = arena_.pixelY[lane] - job_.tile.origin.y;
+                float* sum = &job_.radianceSum[size_t(row) * job_.tile.size.x + x].x;
+                __m128 add = _mm_setr_ps(arena_.radiance[0][lane], arena_.radiance[1][lane], arena_.radiance[2][lane],
+                                         squared[i]);
+                _mm_storeu_ps(sum, _mm_add_ps(_mm_loadu_ps(sum), add));
             }
         }
     }
