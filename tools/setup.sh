@@ -122,9 +122,9 @@ build() {
     NINJA_STATUS='[%f/%t] ' ninja -C "build/$preset" ${3:+"$3"} 2>&1 </dev/null | tee "$log" |
         if [ -t 1 ]; then
             awk -v width="${COLUMNS:-100}" '/^\[[0-9]+\/[0-9]+\]/ { printf "\r\033[K%s", substr($0, 1, width - 1); fflush(); next }
-                /warning:/ { print "\r\033[K" $0 } END { printf "\r\033[K" }'
+                /warning:/ && !seen[$0]++ { print "\r\033[K" $0 } END { printf "\r\033[K" }'
         else
-            grep 'warning:' || true
+            awk '/warning:/ && !seen[$0]++'
         fi
     [ "${PIPESTATUS[0]}" = 0 ] && return 0
     complain "The build failed; details in $log:"
