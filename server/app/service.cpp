@@ -66,7 +66,8 @@ std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket
     std::shared_ptr<Session> session;
     {
         std::lock_guard lock(mutex_);
-        session = std::make_shared<Session>(++lastViewer_, *this, std::move(socket), std::move(options));
+        SessionHost& host = *this;
+        session = std::make_shared<Session>(++lastViewer_, host, std::move(socket), std::move(options));
         sessions_.push_back(session);
     }
     log().info("viewer {}: connected", session->viewer());

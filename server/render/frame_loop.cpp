@@ -108,7 +108,6 @@ uint64_t FrameLoop::takeNews() {
     if (sceneChanged) {
         resident_ = std::move(newScene_);
         newScene_.reset();
-        sceneEffects_ = resident_ ? effectsOf(*resident_->scene) : EffectSet{};
         view_.reset();
         picture_.reset();
         secondsPerTile_ = 0.0;
@@ -305,7 +304,7 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
     FrameRequest request;
     request.camera = view.camera;
     request.settings = view.settings;
-    request.effects.bits = sceneEffects_.bits & allowedEffects(view.settings).bits;
+    request.effects.bits = resident_->effects.bits & allowedEffects(view.settings).bits;
     request.resolution = film.resolution();
     request.generation = film.generation();
     const std::vector<Tile> tiles = film.tilesFor(firstSample, 1, tileSize(view.settings));

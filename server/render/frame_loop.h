@@ -20,6 +20,7 @@ namespace heliograph {
 struct ResidentScene {
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<Device> device;
+    EffectSet effects;  // that the scene calls for
 };
 
 /// What the passes since the last frame cost.
@@ -143,7 +144,6 @@ private:
 
     // The loop's own.
     std::shared_ptr<ResidentScene> resident_;
-    EffectSet sceneEffects_;
     std::optional<ViewRequest> wish_;   // newest_ as taken, with the path's camera while a run plays
     std::optional<ViewRequest> view_;   // what the film shows
     std::shared_ptr<Film> film_;

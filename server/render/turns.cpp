@@ -5,7 +5,7 @@
 namespace heliograph {
 
 Turns::Turn::Turn(Turns& turns, Account& account)
-    : turns_(&turns), account_(&account), begin_(std::chrono::steady_clock::now()) {}
+    : turns_(&turns), account_(&account), begin_(turns.clock_()) {}
 
 Turns::Turn::Turn(Turn&& other) noexcept : turns_(other.turns_), account_(other.account_), begin_(other.begin_) {
     other.turns_ = nullptr;
@@ -13,8 +13,7 @@ Turns::Turn::Turn(Turn&& other) noexcept : turns_(other.turns_), account_(other.
 
 Turns::Turn::~Turn() {
     if (!turns_) return;
-    std::chrono::duration<double> used = std::chrono::steady_clock::now() - begin_;
-    turns_->release(*account_, used.count());
+    turns_->release(*account_, turns_->clock_() - begin_);
 }
 
 std::optional<Turns::Turn> Turns::take(Account& account, std::stop_token stop) {
@@ -49,9 +48,9 @@ void Turns::release(Account& account, double seconds) {
     changed_.notify_all();
 }
 
-bool Turns::contended() const {
+size_t Turns::waiting() const {
     std::lock_guard lock(mutex_);
-    return !waiting_.empty();
+    return waiting_.size();
 }
 
 Turns::Used Turns::used(const Account& account) const {

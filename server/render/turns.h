@@ -6,8 +6,10 @@
 // Start-time fair queueing: P. Goyal, H. Vin, H. Cheng, "Start-time Fair Queueing: A Scheduling Algorithm for Integrated
 // Services Packet Switching Networks", 1996.
 
-#include <chrono>
+#include "server/base/clock.h"
+
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -19,10 +21,6 @@ class Turns {
 public:
     /// What one user has had. Belongs to its user; changed by Turns alone.
     class Account {
-    public:
-        double usedSeconds() const { return used_; }  // read it from the user's own thread, or through Turns::used
-
-    private:
         friend class Turns;
         double used_ = 0.0;    // seconds of all turns
         double finish_ = 0.0;  // virtual time at which its last turn ended
@@ -40,13 +38,17 @@ public:
         Turn(Turns& turns, Account& account);
         Turns* turns_;
         Account* account_;
-        std::chrono::steady_clock::time_point begin_;
+        double begin_;  // seconds
     };
+
+    /// `clock` in seconds; tests bring their own.
+    explicit Turns(std::function<double()> clock = wallSeconds) : clock_(std::move(clock)) {}
 
     /// Waits for a turn. Nothing when `stop` is asked for first.
     std::optional<Turn> take(Account& account, std::stop_token stop);
-    /// Somebody is waiting.
-    bool contended() const;
+    /// How many wait.
+    size_t waiting() const;
+    bool contended() const { return waiting() > 0; }
     /// Seconds used by the account and by everybody.
     struct Used { double own = 0.0; double all = 0.0; };
     Used used(const Account& account) const;
@@ -57,6 +59,7 @@ private:
     void release(Account& account, double seconds);
     const Waiter* next() const;
 
+    const std::function<double()> clock_;
     mutable std::mutex mutex_;
     std::condition_variable_any changed_;
     std::vector<Waiter> waiting_;  // in order of arrival

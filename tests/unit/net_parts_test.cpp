@@ -1,0 +1,175 @@
+// The small parts of the network layer: origins, addresses, tokens, files of the client, metrics, rate limits.
+
+#include "server/base/error.h"
+#include "server/net/client_files.h"
+#include "server/net/metrics.h"
+#include "server/net/origin.h"
+#include "server/net/rate_limit.h"
+#include "server/net/token.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace heliograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder that goes away.
+struct Folder {
+    fs::path path;
+    Folder() {
+        std::string pattern = (fs::temp_directory_path() / "heliograph-XXXXXX").string();
+        path = mkdtemp(pattern.data());
+    }
+    ~Folder() { fs::remove_all(path); }
+    std::string write(const std::string& name, const std::string& bytes) const {
+        fs::create_directories((path / name).parent_path());
+        std::ofstream(path / name, std::ios::binary) << bytes;
+        return (path / name).string();
+    }
+};
+
+TEST(ListenAddress, ReadsHostAndPort) {
+    auto check = [](const std::string& text, const std::string& host, int port) {
+        ListenAddress a = parseListenAddress(text);
+        EXPECT_EQ(a.host, host) << text;
+        EXPECT_EQ(a.port, port) << text;
+    };
+    check("127.0.0.1:8080", "127.0.0.1", 8080);
+    check("0.0.0.0:0", "0.0.0.0", 0);
+    check("[::1]:65535", "::1", 65535);
+    check("localhost:9", "127.0.0.1", 9);
+    check(":81", "127.0.0.1", 81);
+    check("8081", "127.0.0.1", 8081);
+}
+
+TEST(ListenAddress, RefusesTheRest) {
+    for (const char* text : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:80x", "example.org:80", "[::1]",
+                             "127.0.0.1:8080:9", "::1:80 ", "/tmp/socket:1"}) {
+        EXPECT_THROW(parseListenAddress(text), InputError) << text;
+    }
+}
+
+TEST(Origin, LoopbackIsThisMachineAlone) {
+    for (const char* host : {"127.0.0.1", "127.9.9.9", "::1", "localhost"}) EXPECT_TRUE(isLoopback(host)) << host;
+    for (const char* host : {"0.0.0.0", "::", "10.0.0.1", "127.evil.org", "1127.0.0.1", ""}) EXPECT_FALSE(isLoopback(host)) << host;
+}
+
+TEST(Origin, HasToBeTheServersOwn) {
+    EXPECT_TRUE(originAllowed("", "localhost:8080", {}, true));
+    EXPECT_TRUE(originAllowed("http://localhost:8080", "localhost:8080", {}, true));
+    EXPECT_TRUE(originAllowed("http://[::1]:8080", "[::1]:8080", {}, true));
+    EXPECT_TRUE(originAllowed("http://LOCALHOST:8080", "localhost:8080", {}, true));
+    EXPECT_TRUE(originAllowed("https://viewer.example", "viewer.example:443", {}, false));
+    EXPECT_FALSE(originAllowed("http://evil.example", "localhost:8080", {}, true));
+    EXPECT_FALSE(originAllowed("http://localhost:8081", "localhost:8080", {}, true));
+    EXPECT_FALSE(originAllowed("http://localhost:8080.evil.example", "localhost:8080", {}, true));
+    EXPECT_FALSE(originAllowed("null", "localhost:8080", {}, true));
+    EXPECT_FALSE(originAllowed("http://localhost:8080", "", {}, true));
+}
+
+TEST(Origin, AForeignNameForThisMachineIsRefused) {
+    EXPECT_FALSE(originAllowed("http://rebound.example:8080", "rebound.example:8080", {}, true));
+    EXPECT_TRUE(originAllowed("http://rebound.example:8080", "rebound.example:8080", {}, false));
+}
+
+TEST(Origin, OthersCanBeAllowed) {
+    EXPECT_TRUE(originAllowed("https://portal.example", "10.0.0.1:80", {"https://portal.example"}, true));
+    EXPECT_FALSE(originAllowed("https://portal.example.org", "10.0.0.1:80", {"https://portal.example"}, true));
+}
+
+TEST(Token, ComparesWholeSecrets) {
+    EXPECT_TRUE(sameSecret("0123456789abcdef", "0123456789abcdef"));
+    for (const char* given : {"", "0", "0123456789abcde", "0123456789abcdeX", "0123456789abcdef0", "0123456789abcdef0123456789abcdef"}) {
+        EXPECT_FALSE(sameSecret(given, "0123456789abcdef")) << given;
+    }
+    EXPECT_FALSE(sameSecret("", ""));  // no secret: nothing matches
+}
+
+TEST(Token, ReadsTheFirstLine) {
+    Folder folder;
+    EXPECT_EQ(readTokenFile(folder.write("a", "0123456789abcdef \r\nmore")), "0123456789abcdef");
+    EXPECT_THROW(readTokenFile(folder.write("b", "short\n")), InputError);
+    EXPECT_THROW(readTokenFile(folder.write("c", "")), InputError);
+    EXPECT_THROW(readTokenFile((folder.path / "missing").string()), InputError);
+}
+
+TEST(ClientFiles, ServesWhatLiesInTheFolderAndNothingElse) {
+    Folder folder, outside;
+    folder.write("index.html", "<p>hello");
+    folder.write("app.js", "1");
+    folder.write("deep/er.css", "p {}");
+    fs::create_symlink(outside.write("secret.txt", "secret"), folder.path / "link.txt");
+    fs::create_directory_symlink(outside.path, folder.path / "linked");
+    ClientFiles files = readClientFiles(folder.path.string());
+    EXPECT_EQ(files.size(), 4u);
+    EXPECT_EQ(files.at("/").bytes, "<p>hello");
+    EXPECT_EQ(files.at("/").mimeType, "text/html; charset=utf-8");
+    EXPECT_EQ(files.at("/deep/er.css").mimeType, "text/css; charset=utf-8");
+    EXPECT_EQ(files.at("/app.js").mimeType, "text/javascript; charset=utf-8");
+}
+
+TEST(ClientFiles, RefusesAFolderWithoutIndexAndTooLargeFiles) {
+    Folder folder;
+    EXPECT_THROW(readClientFiles(folder.path.string()), InputError);
+    EXPECT_THROW(readClientFiles((folder.path / "missing").string()), InputError);
+    folder.write("index.html", "x");
+    fs::resize_file(folder.path / "index.html", (16u << 20) + 1);
+    EXPECT_THROW(readClientFiles(folder.path.string()), InputError);
+}
+
+TEST(ClientFiles, KnowsTheTypesOfAClient) {
+    EXPECT_EQ(mimeTypeOf("/a.js.map"), "application/json");
+    EXPECT_EQ(mimeTypeOf("/favicon.svg"), "image/svg+xml");
+    EXPECT_EQ(mimeTypeOf("/favicon.ico"), "image/x-icon");
+    EXPECT_EQ(mimeTypeOf("/strange.bin"), "application/octet-stream");
+}
+
+TEST(RateLimit, LetsBurstsPassAndFillsAgain) {
+    RateLimit limit(10.0, 3.0);
+    EXPECT_TRUE(limit.take(3.0, 100.0));
+    EXPECT_FALSE(limit.take(1.0, 100.0));
+    EXPECT_TRUE(limit.take(1.0, 100.11));
+    EXPECT_FALSE(limit.take(1.0, 100.12));
+    EXPECT_TRUE(limit.take(3.0, 200.0));
+    EXPECT_FALSE(limit.take(3.5, 300.0));
+}
+
+TEST(Metrics, HistogramsAreCumulative) {
+    Histogram h;
+    for (double s : {0.0005, 0.004, 0.004, 99.0}) h.add(s);
+    h.add(std::nan(""));
+    std::string text;
+    h.write("x", "", text);
+    EXPECT_NE(text.find("x_bucket{le=\"0.001\"} 1\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("x_bucket{le=\"0.005\"} 3\n"), std::string::npos);
+    EXPECT_NE(text.find("x_bucket{le=\"5\"} 3\n"), std::string::npos);
+    EXPECT_NE(text.find("x_bucket{le=\"+Inf\"} 4\n"), std::string::npos);
+    EXPECT_NE(text.find("x_count 4\n"), std::string::npos);
+    EXPECT_NE(text.find("x_sum 99.0085\n"), std::string::npos);
+}
+
+TEST(Metrics, EverySampleHasAType) {
+    Metrics metrics;
+    metrics.framesSent = 3;
+    metrics.stages[Metrics::encode].add(0.01);
+    std::istringstream text(metrics.text(2, 1, 1000));
+    std::string line, typed;
+    int samples = 0;
+    while (std::getline(text, line)) {
+        if (line.starts_with("# TYPE ")) typed = line.substr(7, line.find(' ', 7) - 7);
+        if (line.starts_with("#")) continue;
+        EXPECT_TRUE(line.starts_with(typed)) << line;
+        samples++;
+    }
+    EXPECT_GT(samples, 30);
+    EXPECT_NE(metrics.text(2, 1, 1000).find("heliograph_viewers 2\n"), std::string::npos);
+    EXPECT_NE(metrics.text(2, 1, 1000).find("heliograph_frames_sent_total 3\n"), std::string::npos);
+    EXPECT_NE(metrics.text(2, 1, 1000).find("heliograph_frame_stage_seconds_count{stage=\"encode\"} 1\n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace heliograph

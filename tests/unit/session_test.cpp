@@ -1,0 +1,435 @@
+#include "server/net/session.h"
+
+#include "server/base/error.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace heliograph {
+namespace {
+
+using namespace std::chrono_literals;
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr auto PATIENCE = 30s;
+
+/// Paints everything in one grey.
+class GreyDevice : public Device {
+public:
+    DeviceInfo info() const override { return {"embree", "for tests", "none", 1}; }
+    void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override {}
+    void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
+        for (const Tile& tile : tiles) {
+            if (stop.stop_requested()) return;
+            TileResult result;
+            result.tile = tile;
+            result.device = "embree";
+            result.radianceSum.assign(static_cast<size_t>(tile.size.x) * tile.size.y, vec4(0.5f, 0.5f, 0.5f, 0.25f));
+            result.rays[RayKind::primary] = result.radianceSum.size();
+            sink(std::move(result));
+        }
+    }
+};
+
+std::shared_ptr<ResidentScene> residentScene(const std::string& name, bool withPath = true) {
+    auto scene = std::make_shared<Scene>();
+    scene->name = name;
+    scene->environment.image = NO_INDEX;
+    scene->cameras.push_back({"start", vec3(1, 2, 3)});
+    if (withPath) {
+        CameraPath path;
+        path.seconds = 0.1f;
+        path.keys = {{vec3(5, 0, 0), vec3(0)}, {vec3(0, 0, 5), vec3(0)}};
+        scene->paths.push_back(path);
+    }
+    return std::make_shared<ResidentScene>(ResidentScene{scene, std::make_shared<GreyDevice>(), {}});
+}
+
+class FakeHost : public SessionHost {
+public:
+    std::vector<SceneRecipe> scenes() const override { return {{"first", "one"}, {"second", "two"}, {"bare", "no path"}}; }
+    std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override {
+        opened.push_back(name);
+        if (full) throw InputError("scene.name", "no room", "later");
+        if (manual) listeners.push_back(std::move(listener));
+        else listener.ready(residentScene(name, name != "bare"));
+        return std::make_shared<int>(0);
+    }
+    bool grantPixels(uint32_t, uint64_t pixels) override { return pixels <= pixelLimit; }
+    size_t viewerCount() const override { return 3; }
+    Turns& turns() override { return turns_; }
+    Metrics& metrics() override { return metrics_; }
+
+    std::vector<std::string> opened;
+    std::vector<SceneListener> listeners;
+    bool manual = false, full = false;
+    uint64_t pixelLimit = 1'000'000;
+    Turns turns_;
+    Metrics metrics_;
+};
+
+/// Keeps what is sent. Frames are acknowledged by the test.
+class FakeSocket : public ViewerSocket {
+public:
+    void sendText(std::string text) override {
+        std::lock_guard lock(mutex);
+        texts.push_back(json::parse(text));
+        changed.notify_all();
+    }
+    std::optional<uint32_t> sendPicture(OutgoingPicture picture) override {
+        std::lock_guard lock(mutex);
+        headers.push_back(readFrameHeader(std::span(picture.bytes).subspan(SOCKET_HEADROOM)));
+        payloads.emplace_back(picture.bytes.begin() + SOCKET_HEADROOM + FRAME_HEADER_BYTES, picture.bytes.end());
+        changed.notify_all();
+        return std::nullopt;
+    }
+    void close(CloseCode code, const std::string& reason) override {
+        std::lock_guard lock(mutex);
+        closed = code;
+        closeReason = reason;
+        changed.notify_all();
+    }
+    template <typename Condition>
+    bool until(Condition condition) {
+        std::unique_lock lock(mutex);
+        return changed.wait_for(lock, PATIENCE, condition);
+    }
+    /// The last message of that type, or null.
+    json last(const std::string& type) {
+        std::lock_guard lock(mutex);
+        for (auto i = texts.rbegin(); i != texts.rend(); ++i) {
+            if ((*i)["type"] == type) return *i;
+        }
+        return nullptr;
+    }
+    bool untilFrame(size_t count) {
+        return until([&] { return headers.size() >= count; });
+    }
+
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<json> texts;
+    std::vector<FrameHeader> headers;
+    std::vector<std::vector<uint8_t>> payloads;
+    std::optional<CloseCode> closed;
+    std::string closeReason;
+};
+
+struct Line {
+    explicit Line(const std::string& token = "", bool authorized = false) {
+        Session::Options options;
+        options.defaults.samples = 1;
+        options.token = token;
+        options.authorized = authorized;
+        session = std::make_shared<Session>(7, host, socket, options);
+    }
+    void say(const json& message) { session->receive(message.dump()); }
+    void size(uint32_t width = 64, uint32_t height = 48, uint32_t inputId = 1) {
+        say({{"type", "resolution"}, {"width", width}, {"height", height}, {"inputId", inputId}});
+    }
+    void look(uint32_t inputId, bool moving = false) {
+        say({{"type", "camera"}, {"inputId", inputId}, {"position", {inputId, 0, 0}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}},
+             {"fieldOfView", 60}, {"moving", moving}});
+    }
+    void ack(uint32_t frameId) { say({{"type", "ack"}, {"frameId", frameId}, {"presentedMs", 20}}); }
+
+    FakeHost host;
+    std::shared_ptr<FakeSocket> socket = std::make_shared<FakeSocket>();
+    std::shared_ptr<Session> session;
+};
+
+TEST(Session, GreetsInOrder) {
+    Line line;
+    line.session->begin();
+    ASSERT_EQ(line.socket->texts.size(), 3u);
+    EXPECT_EQ(line.socket->texts[0]["type"], "hello");
+    EXPECT_EQ(line.socket->texts[0]["protocol"], "heliograph.v1");
+    EXPECT_EQ(line.socket->texts[0]["viewer"], 7);
+    EXPECT_EQ(line.socket->texts[0]["scenes"][1]["name"], "second");
+    EXPECT_EQ(line.socket->texts[0]["maxUnacked"], 2);
+    EXPECT_GT(line.socket->texts[0]["schema"].size(), 20u);
+    EXPECT_EQ(line.socket->texts[1]["type"], "settings");
+    EXPECT_EQ(line.socket->texts[1]["values"]["samples"], 1);
+    EXPECT_EQ(line.socket->texts[2]["type"], "scene");
+    EXPECT_EQ(line.socket->texts[2]["state"], "ready");
+    EXPECT_EQ(line.socket->texts[2]["camera"]["position"], json({1, 2, 3}));
+    EXPECT_EQ(line.host.opened, std::vector<std::string>{"first"});
+}
+
+TEST(Session, SendsAFrameThatABrowserCanShow) {
+    Line line;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    const FrameHeader& header = line.socket->headers[0];
+    EXPECT_EQ(header.kind, FrameKind::frame);
+    EXPECT_EQ(header.codec, FrameCodec::jpeg);
+    EXPECT_EQ(header.size, uvec2(64, 48));
+    EXPECT_EQ(header.inputId, 1u);
+    EXPECT_EQ(header.samples, 1u);
+    EXPECT_EQ(header.devices, 1u);
+    EXPECT_EQ(header.flags, FRAME_FINAL);
+    EXPECT_GE(header.quality, 92);
+    EXPECT_EQ(header.payloadBytes, line.socket->payloads[0].size());
+    EXPECT_EQ(line.socket->payloads[0][0], 0xff);  // JPEG: start of image
+    EXPECT_EQ(line.socket->payloads[0][1], 0xd8);
+}
+
+TEST(Session, KeepsAtMostTwoFramesOnTheirWay) {
+    Line line;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    uint32_t input = 1;
+    line.look(++input);
+    ASSERT_TRUE(line.socket->untilFrame(2));
+    for (int i = 0; i < 50; i++) line.look(++input);
+    // No third one without an ack: an answer to a ping proves nothing, so the loop is given work it must finish instead.
+    line.say({{"type", "picture"}, {"format", "jpg"}});
+    ASSERT_TRUE(line.socket->untilFrame(3));
+    EXPECT_EQ(line.socket->headers[2].kind, FrameKind::picture);
+    line.ack(line.socket->headers[0].frameId);
+    ASSERT_TRUE(line.socket->untilFrame(4));
+    EXPECT_EQ(line.socket->headers[3].kind, FrameKind::frame);
+    line.ack(line.socket->headers[1].frameId);
+    line.ack(line.socket->headers[3].frameId);
+    ASSERT_TRUE(line.socket->until([&] { return line.socket->headers.back().inputId == input; }));
+    EXPECT_GT(line.host.metrics_.framesSent, 2u);
+}
+
+TEST(Session, AcksOfFramesNeverSentAreRefusedAndRepeatedOnesGiveNothing) {
+    Line line;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.ack(4000);
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("ack.frameId: 4000; allowed: at most"));
+    for (int i = 0; i < 5; i++) line.ack(line.socket->headers[0].frameId);
+    uint32_t input = 1;
+    line.look(++input);
+    ASSERT_TRUE(line.socket->untilFrame(2));
+    line.look(++input);
+    ASSERT_TRUE(line.socket->untilFrame(3));
+    line.look(++input);
+    line.say({{"type", "picture"}, {"format", "jpg"}});
+    ASSERT_TRUE(line.socket->untilFrame(4));
+    EXPECT_EQ(line.socket->headers[3].kind, FrameKind::picture);  // two frames are on their way, not six
+}
+
+TEST(Session, SettingsAreTakenAllOrNone) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "settings"}, {"inputId", 5}, {"values", {{"samples", 9}, {"exposure", 1.5}}}});
+    EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 9);
+    EXPECT_EQ(line.socket->last("settings")["inputId"], 5);
+    line.say({{"type", "settings"}, {"inputId", 6}, {"values", {{"samples", 10}, {"exposure", 99}}}});
+    json error = line.socket->last("error");
+    EXPECT_EQ(error["about"], "settings");
+    EXPECT_EQ(error["inputId"], 6);
+    EXPECT_THAT(error["message"], HasSubstr("exposure"));
+    EXPECT_THAT(error["message"], HasSubstr("99"));
+    line.say({{"type", "settings"}, {"inputId", 7}, {"values", json::object()}});
+    EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 9);
+    for (const char* name : {"fieldOfView", "cameraPath", "nonsense"}) {
+        line.say({{"type", "settings"}, {"inputId", 8}, {"values", {{name, 50}}}});
+        EXPECT_THAT(line.socket->last("error")["message"], HasSubstr(name));
+    }
+}
+
+TEST(Session, FaultsAreAnsweredAndNothingElseHappens) {
+    Line line;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.session->receive("nonsense");
+    line.say({{"type", "reboot"}});
+    EXPECT_EQ(line.socket->last("error")["about"], "reboot");
+    line.say({{"type", "camera"}, {"inputId", 3}, {"position", {0, 0, nullptr}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}}, {"fieldOfView", 60}, {"moving", false}});
+    EXPECT_EQ(line.socket->last("error")["inputId"], 3);
+    line.say({{"type", "scene"}, {"name", "../../etc/passwd"}});
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("first, second, bare"));
+    EXPECT_EQ(line.host.opened.size(), 1u);
+    EXPECT_EQ(line.host.metrics_.messagesRefused, 4u);
+    EXPECT_FALSE(line.socket->closed);
+    line.look(9);
+    ASSERT_TRUE(line.socket->until([&] { return line.socket->headers.back().inputId == 9; }));
+}
+
+TEST(Session, TooManyPixelsAreRefused) {
+    Line line;
+    line.session->begin();
+    line.size(2000, 1000);
+    EXPECT_EQ(line.socket->last("error")["about"], "resolution");
+    line.size(100, 100);
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    EXPECT_EQ(line.socket->headers[0].size, uvec2(100, 100));
+}
+
+TEST(Session, PingIsAnswered) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "ping"}, {"time", 12.25}});
+    EXPECT_EQ(line.socket->last("pong")["time"], 12.25);
+}
+
+TEST(Session, PicturesComeInTheirFormat) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "picture"}, {"format", "png"}});
+    EXPECT_EQ(line.socket->last("error")["about"], "picture");
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    for (auto [format, codec, first] : {std::tuple("png", FrameCodec::png, 0x89), {"exr", FrameCodec::exr, 0x76}, {"jpg", FrameCodec::jpeg, 0xff}}) {
+        size_t before = line.socket->headers.size();
+        line.say({{"type", "picture"}, {"format", format}});
+        ASSERT_TRUE(line.socket->untilFrame(before + 1)) << format;
+        EXPECT_EQ(line.socket->headers.back().codec, codec);
+        EXPECT_EQ(line.socket->headers.back().kind, FrameKind::picture);
+        EXPECT_EQ(line.socket->payloads.back()[0], first) << format;
+    }
+    EXPECT_EQ(line.host.metrics_.picturesSent, 3u);
+}
+
+TEST(Session, ThePathRunsAndReports) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "path"}, {"playing", true}});
+    EXPECT_EQ(line.socket->last("error")["about"], "path");  // no resolution yet
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.say({{"type", "path"}, {"playing", true}});
+    ASSERT_TRUE(line.socket->until([&] { return line.socket->texts.back().contains("result"); }));
+    json result = line.socket->last("path");
+    EXPECT_EQ(result["playing"], false);
+    EXPECT_GT(result["result"]["frames"], 0);
+    line.say({{"type", "scene"}, {"name", "bare"}});
+    line.say({{"type", "path"}, {"playing", true}});
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("no camera path"));
+}
+
+TEST(Session, AnotherSceneWithoutReconnect) {
+    Line line;
+    line.host.manual = true;
+    line.session->begin();
+    line.size();
+    line.host.listeners[0].progress("Reading", 0.25);
+    EXPECT_EQ(line.socket->last("scene")["state"], "loading");
+    EXPECT_EQ(line.socket->last("scene")["share"], 0.25);
+    line.host.listeners[0].ready(residentScene("first"));
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.say({{"type", "scene"}, {"name", "second"}});
+    line.say({{"type", "scene"}, {"name", "bare"}});
+    // The first of the two was overtaken: it must not show up any more.
+    line.host.listeners[1].ready(residentScene("second"));
+    EXPECT_EQ(line.socket->last("scene")["name"], "first");
+    line.host.listeners[2].failed("bare: cannot be read", nullptr);
+    EXPECT_EQ(line.socket->last("scene")["state"], "failed");
+    EXPECT_EQ(line.socket->last("scene")["name"], "bare");
+    line.look(12);  // the scene before is still there
+    ASSERT_TRUE(line.socket->until([&] { return line.socket->headers.back().inputId == 12; }));
+}
+
+TEST(Session, AFullServerRefusesAnotherScene) {
+    Line line;
+    line.session->begin();
+    line.host.full = true;
+    line.say({{"type", "scene"}, {"name", "second"}});
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("no room"));
+}
+
+TEST(Session, WithoutTheTokenNothingIsTold) {
+    const std::string secret = "0123456789abcdef0123";
+    Line line(secret);
+    line.session->begin();
+    EXPECT_TRUE(line.socket->texts.empty());
+    line.say({{"type", "ping"}, {"time", 1}});
+    EXPECT_EQ(line.socket->closed, CloseCode::unauthorized);
+    EXPECT_TRUE(line.socket->texts.empty());
+    EXPECT_TRUE(line.host.opened.empty());
+
+    Line wrong(secret);
+    wrong.session->begin();
+    wrong.say({{"type", "token"}, {"token", "0123456789abcdef0124"}});
+    EXPECT_EQ(wrong.socket->closed, CloseCode::unauthorized);
+    EXPECT_TRUE(wrong.socket->texts.empty());
+
+    Line right(secret);
+    right.session->begin();
+    right.say({{"type", "token"}, {"token", secret}});
+    EXPECT_FALSE(right.socket->closed);
+    EXPECT_EQ(right.socket->texts[0]["type"], "hello");
+
+    Line bearer(secret, true);
+    bearer.session->begin();
+    EXPECT_EQ(bearer.socket->texts[0]["type"], "hello");
+}
+
+TEST(Session, TheTokenHasToComeWithinFiveSeconds) {
+    Line line("0123456789abcdef0123");
+    line.session->begin();
+    line.session->tick(Session::Clock::now() + 4s);
+    EXPECT_FALSE(line.socket->closed);
+    line.session->tick(Session::Clock::now() + 6s);
+    EXPECT_EQ(line.socket->closed, CloseCode::unauthorized);
+}
+
+TEST(Session, AViewerThatAcknowledgesNothingIsClosed) {
+    Line line;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.session->tick(Session::Clock::now() + 9s);
+    EXPECT_FALSE(line.socket->closed);
+    line.session->tick(Session::Clock::now() + 11s);
+    EXPECT_EQ(line.socket->closed, CloseCode::stalled);
+    EXPECT_EQ(line.host.metrics_.viewersStalled, 1u);
+}
+
+TEST(Session, StatisticsComeWithTheTick) {
+    Line line;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.session->written(FrameKind::frame, 0.004, 0.001);
+    line.session->tick(Session::Clock::now() + 1s);
+    json stats = line.socket->last("stats");
+    EXPECT_EQ(stats["device"], "embree");
+    EXPECT_GT(stats["framesPerSecond"], 0.0);
+    EXPECT_EQ(stats["samples"], 1);
+    EXPECT_EQ(stats["rays"]["primary"], 64 * 48);
+    EXPECT_EQ(stats["viewers"], 3);
+    EXPECT_GT(stats["residentBytes"], 1'000'000);
+    EXPECT_GT(stats["ms"]["render"], 0.0);
+    EXPECT_NEAR(stats["ms"]["send"].get<double>(), 4.0, 1e-9);
+    EXPECT_GT(stats["overheadShare"], 0.0);
+    EXPECT_LE(stats["overheadShare"], 1.0);
+    EXPECT_GT(stats["tiles"]["embree"], 0);
+}
+
+TEST(StatsWindow, SharesAndMeansFollowFromTheSums) {
+    StatsWindow window;
+    Published frame;
+    frame.figures.passes = 2;
+    frame.figures.renderSeconds = 0.08;
+    frame.figures.rays[RayKind::primary] = 8'000'000;
+    frame.costs.developSeconds = 0.006;
+    frame.costs.encodeSeconds = 0.010;
+    window.framePublished(frame);
+    window.frameWritten(0.5, 0.004);
+    ViewerStats stats = window.take(0.5, {1.0, 4.0});
+    EXPECT_DOUBLE_EQ(stats.framesPerSecond, 2.0);
+    EXPECT_DOUBLE_EQ(stats.ms.render, 40.0);  // of one pass
+    EXPECT_DOUBLE_EQ(stats.ms.develop, 6.0);
+    EXPECT_DOUBLE_EQ(stats.ms.send, 500.0);
+    EXPECT_DOUBLE_EQ(stats.overheadShare, 0.2);  // waiting costs nobody's time
+    EXPECT_DOUBLE_EQ(stats.mraysPerSecond, 100.0);
+    EXPECT_DOUBLE_EQ(stats.deviceShare, 0.25);
+    ViewerStats rest = window.take(0.5, {1.0, 5.0});
+    EXPECT_DOUBLE_EQ(rest.framesPerSecond, 0.0);
+    EXPECT_DOUBLE_EQ(rest.ms.render, 40.0);
+    EXPECT_DOUBLE_EQ(rest.deviceShare, 0.0);
+}
+
+}  // namespace
+}  // namespace heliograph

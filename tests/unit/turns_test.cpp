@@ -1,0 +1,122 @@
+#include "server/render/turns.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+
+namespace heliograph {
+namespace {
+
+/// Waits until somebody waits for a turn.
+void untilContended(const Turns& turns) {
+    while (!turns.contended()) std::this_thread::yield();
+}
+
+TEST(Turns, OneAtATime) {
+    Turns turns;
+    int inside = 0, worst = 0;
+    std::vector<std::jthread> users;
+    for (int u = 0; u < 4; u++) {
+        users.emplace_back([&] {
+            Turns::Account account;
+            for (int i = 0; i < 50; i++) {
+                auto turn = turns.take(account, {});
+                worst = std::max(worst, ++inside);
+                std::this_thread::yield();
+                inside--;
+            }
+        });
+    }
+    users.clear();
+    EXPECT_EQ(worst, 1);
+}
+
+TEST(Turns, AWaiterLeavesWhenAsked) {
+    Turns turns;
+    Turns::Account first, second;
+    auto turn = turns.take(first, {});
+    std::stop_source stop;
+    bool got = true;
+    std::jthread waiter([&] { got = turns.take(second, stop.get_token()).has_value(); });
+    untilContended(turns);
+    stop.request_stop();
+    waiter.join();
+    EXPECT_FALSE(got);
+    EXPECT_FALSE(turns.contended());
+}
+
+TEST(Turns, AStoppedUserGetsNoTurn) {
+    Turns turns;
+    Turns::Account account;
+    std::stop_source stop;
+    stop.request_stop();
+    // Nobody else is there: a turn may be had, but then it must be free again afterwards.
+    { auto turn = turns.take(account, stop.get_token()); }
+    EXPECT_TRUE(turns.take(account, {}).has_value());
+}
+
+/// A clock that stands until it is moved.
+struct Clock {
+    std::atomic<double> seconds{0.0};
+    std::function<double()> reader() { return [this] { return seconds.load(); }; }
+};
+
+/// Takes a turn of that length.
+void use(Turns& turns, Turns::Account& account, Clock& clock, double seconds) {
+    auto turn = turns.take(account, {});
+    clock.seconds = clock.seconds + seconds;
+}
+
+/// Lets two users wait behind a third, `first` earlier, and returns the order in which they are served.
+std::string orderOf(Turns& turns, Turns::Account& first, Turns::Account& second) {
+    Turns::Account holder;
+    std::optional<Turns::Turn> held;
+    held.emplace(std::move(*turns.take(holder, {})));
+    std::string order;
+    auto user = [&](Turns::Account& account, char name) {
+        auto turn = turns.take(account, {});
+        order += name;
+    };
+    std::jthread one([&] { user(first, '1'); });
+    while (turns.waiting() < 1) std::this_thread::yield();
+    std::jthread two([&] { user(second, '2'); });
+    while (turns.waiting() < 2) std::this_thread::yield();
+    held.reset();
+    one.join();
+    two.join();
+    return order;
+}
+
+TEST(Turns, EqualsAreServedInOrderOfArrival) {
+    Clock clock;
+    Turns turns(clock.reader());
+    Turns::Account a, b;
+    EXPECT_EQ(orderOf(turns, a, b), "12");
+    EXPECT_EQ(orderOf(turns, b, a), "12");
+}
+
+TEST(Turns, WhoHasUsedLessComesFirst) {
+    Clock clock;
+    Turns turns(clock.reader());
+    Turns::Account greedy, modest;
+    use(turns, greedy, clock, 0.5);
+    EXPECT_EQ(orderOf(turns, greedy, modest), "21");
+    EXPECT_DOUBLE_EQ(turns.used(greedy).own, 0.5);
+    EXPECT_DOUBLE_EQ(turns.used(greedy).all, 0.5);
+    EXPECT_DOUBLE_EQ(turns.used(modest).own, 0.0);
+}
+
+TEST(Turns, ANewcomerDoesNotMakeUpForTheTimeBefore) {
+    Clock clock;
+    Turns turns(clock.reader());
+    Turns::Account old, fresh;
+    for (int i = 0; i < 100; i++) use(turns, old, clock, 1.0);
+    // It has used 100 times as much, yet after one longer turn of the newcomer it comes first.
+    use(turns, fresh, clock, 3.0);
+    EXPECT_EQ(orderOf(turns, fresh, old), "21");
+}
+
+}  // namespace
+}  // namespace heliograph
