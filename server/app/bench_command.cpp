@@ -60,10 +60,11 @@ std::string dumped(const nlohmann::ordered_json& json) {
 void printForPeople(const FrameBenchResult& r, std::ostream& out) {
     const nlohmann::ordered_json json = toJson(r);
     auto number = [&](const char* key) { return json[key].get<double>(); };
-    out << r.scene << " on " << r.device << ", " << formatted("%ux%u, %zu frames", r.resolution.x, r.resolution.y, r.rays.size())
+    out << r.scene << " on " << r.device
+        << formatted(", %ux%u, %zu frames", r.resolution.x, r.resolution.y, r.rays.size())
         << (r.path.empty() ? ", camera at rest" : ", along the path " + r.path) << "\n";
-    out << formatted("  ms a frame       mean %.2f  median %.2f  95 of 100 below %.2f\n", number("ms_mean"), number("ms_median"),
-                     number("ms_p95"));
+    out << formatted("  ms a frame       mean %.2f  median %.2f  95 of 100 below %.2f\n", number("ms_mean"),
+                     number("ms_median"), number("ms_p95"));
     out << formatted("  frames a second  mean %.1f  slowest %.1f\n", number("fps_mean"), number("fps_min"));
     out << formatted("  rays             %.1f million a second\n", number("mrays_per_s"));
     for (const auto& [kind, count] : json["rays"].items()) {
@@ -161,7 +162,9 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
 
     CLI::App* frames = bench->add_subcommand("frames", "Frames a second while the camera flies the scene's path");
     addCommon(*frames, *options);
-    frames->add_option("--frames", options->frames, "Frames to count, after 3 to warm up")->type_name("N")->capture_default_str();
+    frames->add_option("--frames", options->frames, "Frames to count, after 3 to warm up")
+        ->type_name("N")
+        ->capture_default_str();
     frames->add_option("--csv", options->csv, "Also write one line a frame into this file")->type_name("FILE");
     frames->footer("Every frame has one sample per pixel, as while a viewer moves; without a path the camera rests.\n"
                    "Examples:\n"

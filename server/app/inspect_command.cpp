@@ -28,16 +28,16 @@ size_t surfaceImages(const Scene& scene) {
 void printEffects(const nlohmann::ordered_json& effects, bool calledFor, std::ostream& out) {
     for (const auto& effect : effects) {
         if (effect["called_for"].get<bool>() != calledFor) continue;
-        char name[32];
-        std::snprintf(name, sizeof name, "  %-20s", effect["name"].get<std::string>().c_str());
+        char name[48];
+        std::snprintf(name, sizeof name, "  %-26s", effect["name"].get<std::string>().c_str());
         out << name << oneLine(effect["because"].get<std::string>()) << "\n";
     }
 }
 
 void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std::ostream& out) {
     auto row = [&](const char* label, const std::string& value) {
-        char name[32];
-        std::snprintf(name, sizeof name, "  %-20s", label);
+        char name[48];
+        std::snprintf(name, sizeof name, "  %-26s", label);
         out << name << oneLine(value) << "\n";
     };
     auto joined = [](const auto& items) {

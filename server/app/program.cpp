@@ -32,7 +32,13 @@ int refuseArguments(const CLI::App& app, const CLI::ParseError& error) {
         part = part->get_subcommands().front();
         command += " " + part->get_name();
     }
-    return complain("command line: " + std::string(error.what()) + "; allowed: see " + command + " --help", BAD_INPUT);
+    std::string found = error.what();
+    // CLI11 says of an unknown command only that one is lacking.
+    const std::vector<std::string> extras = app.remaining();
+    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && !extras.empty() && command == "heliograph") {
+        found = "unknown command '" + extras.front() + "'";
+    }
+    return complain("command line: " + found + "; allowed: see " + command + " --help", BAD_INPUT);
 }
 
 void describe(CLI::App& app) {

@@ -59,7 +59,8 @@ std::vector<uint8_t> encoded(const Film& film, Format format, const Settings& se
         return bytes;
     }
     DisplayImage image;
-    ToneMap(sceneExposure + settings.exposure, static_cast<ToneCurve>(settings.toneCurve)).apply(pixels, film.resolution(), image);
+    const ToneMap toneMap(sceneExposure + settings.exposure, static_cast<ToneCurve>(settings.toneCurve));
+    toneMap.apply(pixels, film.resolution(), image);
     std::unique_ptr<Encoder> encoder = format == Format::png ? makePngEncoder() : makeJpegEncoder();
     encoder->encode(image, settings.jpegQuality, bytes);
     return bytes;
@@ -84,9 +85,9 @@ void printForPeople(const RenderResult& r, const std::string& file, std::ostream
     double seconds = r.ms.render / 1e3;
     double rate = seconds > 0.0 ? static_cast<double>(r.stats.rays.total()) / seconds / 1e6 : 0.0;
     char line[256];
-    std::snprintf(line, sizeof line, "%ux%u, %u samples per pixel on %s: loaded in %.0f ms, built in %.0f ms, rendered in %.0f ms",
-                  r.request.resolution.x, r.request.resolution.y, r.stats.samples, r.device.c_str(), r.ms.load, r.ms.build,
-                  r.ms.render);
+    std::snprintf(line, sizeof line, "%ux%u, %u samples per pixel on %s: load %.0f ms, build %.0f ms, render %.0f ms",
+                  r.request.resolution.x, r.request.resolution.y, r.stats.samples, r.device.c_str(), r.ms.load,
+                  r.ms.build, r.ms.render);
     out << file << ": " << r.scene << ", " << line << "\n";
     std::snprintf(line, sizeof line, "%llu rays, %.1f million a second",
                   static_cast<unsigned long long>(r.stats.rays.total()), rate);

@@ -60,7 +60,8 @@ std::vector<std::string> keys(const ordered_json& json) {
 class CommandsTest : public testing::Test {
 protected:
     void SetUp() override {
-        folder_ = fs::path(testing::TempDir()) / ("heliograph_commands_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+        folder_ = fs::path(testing::TempDir()) / ("heliograph_commands_" + test);
         fs::remove_all(folder_);
         fs::create_directories(folder_);
     }
@@ -107,7 +108,8 @@ TEST_F(CommandsTest, BadArgumentsAreOneLineAndExitCodeTwo) {
 TEST_F(CommandsTest, BadValuesAreRefusedBeforeAnyWork) {
     auto render = [&](const std::vector<std::string>& more, const std::vector<std::string>& parts) {
         std::vector<std::string> arguments{"render", "cornell"};
-        if (std::find(more.begin(), more.end(), "--out") == more.end()) arguments.insert(arguments.end(), {"--out", file("a.png")});
+        bool named = std::find(more.begin(), more.end(), "--out") != more.end();
+        if (!named) arguments.insert(arguments.end(), {"--out", file("a.png")});
         arguments.insert(arguments.end(), more.begin(), more.end());
         expectRefused(arguments, parts);
     };
@@ -182,8 +184,8 @@ TEST_F(CommandsTest, BenchesAnswerInJson) {
     Outcome frames = run({"bench", "frames", "cornell", "--size", "32x24", "--frames", "3", "--json", "--csv", file("a.csv")});
     ASSERT_EQ(frames.code, 0) << frames.err;
     ordered_json json = ordered_json::parse(frames.out);
-    EXPECT_EQ(keys(json), (std::vector<std::string>{"scene", "device", "width", "height", "frames", "ms_mean", "ms_median", "ms_p95",
-                                                    "fps_mean", "fps_min", "mrays_per_s", "rays"}));
+    EXPECT_EQ(keys(json), (std::vector<std::string>{"scene", "device", "width", "height", "frames", "ms_mean", "ms_median",
+                                                    "ms_p95", "fps_mean", "fps_min", "mrays_per_s", "rays"}));
     EXPECT_EQ(json["frames"], 3);
     EXPECT_EQ(json["rays"]["primary"], 3 * 32 * 24);
     std::string csv = content(file("a.csv"));
@@ -201,8 +203,8 @@ TEST_F(CommandsTest, InspectAnswersInJsonAndForPeople) {
     Outcome outcome = run({"inspect", "cornell", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(keys(ordered_json::parse(outcome.out)),
-              (std::vector<std::string>{"scene", "triangles", "instances", "materials", "lights", "textures", "bytes", "effects",
-                                        "warnings"}));
+              (std::vector<std::string>{"scene", "triangles", "instances", "materials", "lights", "textures", "bytes",
+                                        "effects", "warnings"}));
     EXPECT_THAT(run({"inspect", "cornell"}).out, HasSubstr("calls for\n  shadows"));
 }
 

@@ -62,7 +62,8 @@ TEST(EffectSet, ReflectionsComeFromSmoothMirrorsAndGlass) {
     EXPECT_TRUE(calls([](Material& m) { m.roughness = 1.0f; m.transmission = 0.5f; }, EFFECT_REFLECTIONS));
     EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_PHONG; m.mirror = 0.3f; }, EFFECT_REFLECTIONS));
     EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_PHONG; m.mirror = 0.0f; m.roughness = 0.0f; }, EFFECT_REFLECTIONS));
-    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_UNLIT; m.metallic = 1.0f; m.roughness = 0.0f; }, EFFECT_REFLECTIONS));
+    auto unlit = [](Material& m) { m.flags = MATERIAL_UNLIT; m.metallic = 1.0f; m.roughness = 0.0f; };
+    EXPECT_FALSE(calls(unlit, EFFECT_REFLECTIONS));
 }
 
 TEST(EffectSet, RoughnessTexturesAreLookedInto) {
@@ -83,7 +84,8 @@ TEST(EffectSet, RoughnessTexturesAreLookedInto) {
 }
 
 TEST(EffectSet, TransmissionCallsForRefractionsAndCoarserThings) {
-    auto glass = squareScene([](Material& m) { m.transmission = 1.0f; m.flags = MATERIAL_VOLUME; m.roughness = 0.0f; }, "glass");
+    auto clear = [](Material& m) { m.transmission = 1.0f; m.flags = MATERIAL_VOLUME; m.roughness = 0.0f; };
+    auto glass = squareScene(clear, "glass");
     EXPECT_TRUE(effectsOf(*glass).has(EFFECT_REFRACTIONS));
     EXPECT_TRUE(effectsOf(*glass).has(EFFECT_TRANSPARENT_SHADOWS));
     EXPECT_FALSE(effectsOf(*glass).has(EFFECT_ABSORPTION));

@@ -144,7 +144,8 @@ TEST(Film, RelativeErrorOfALargePictureIsJudgedByPart) {
                 TileResult result = resultFor(tile, vec4(0));
                 for (uint32_t y = 0; y < tile.size.y; y++) {
                     for (uint32_t x = 0; x < tile.size.x; x++) {
-                        result.radianceSum[y * tile.size.x + x] = test::fakeRadiance(tile.origin.x + x, tile.origin.y + y, sample);
+                        vec4& sum = result.radianceSum[y * tile.size.x + x];
+                        sum = test::fakeRadiance(tile.origin.x + x, tile.origin.y + y, sample);
                     }
                 }
                 ASSERT_TRUE(film.add(result));
@@ -159,7 +160,9 @@ TEST(Film, RelativeErrorOfALargePictureIsJudgedByPart) {
 TEST(Film, DevelopsRowsLikeTheWhole) {
     Film film;
     film.reset(uvec2(20, 70), 1);
-    for (const Tile& tile : film.tilesFor(0, 1, uvec2(8, 8))) film.add(resultFor(tile, vec4(static_cast<float>(tile.origin.y))));
+    for (const Tile& tile : film.tilesFor(0, 1, uvec2(8, 8))) {
+        film.add(resultFor(tile, vec4(static_cast<float>(tile.origin.y))));
+    }
     std::vector<vec4> whole, rows(20 * 3);
     film.develop(whole);
     film.develop(63, 66, rows.data());

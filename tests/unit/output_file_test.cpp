@@ -19,7 +19,8 @@ using testing::HasSubstr;
 class OutputFileTest : public testing::Test {
 protected:
     void SetUp() override {
-        folder_ = fs::path(testing::TempDir()) / ("heliograph_output_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+        folder_ = fs::path(testing::TempDir()) / ("heliograph_output_" + test);
         fs::remove_all(folder_);
         fs::create_directories(folder_);
     }
