@@ -119,8 +119,8 @@ function pngSize(bytes) {
   return { width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20) };
 }
 
-async function pictureChecks() {
-  await checks.check('the page loads and shows a picture', async () => {
+const pageLoads = () =>
+  checks.check('the page loads and shows a picture', async () => {
     await open(DESKTOP);
     await sceneShown(SCENE);
     const shown = await picture();
@@ -130,6 +130,8 @@ async function pictureChecks() {
     const box = await page.locator('body > canvas').boundingBox();
     expect(box.width === DESKTOP.width && box.height === DESKTOP.height, `the canvas does not fill the window: ${JSON.stringify(box)}`);
   });
+
+async function pictureChecks() {
   await checks.check('samples add up while the camera rests', async () => {
     await until('more than one sample', 30_000, async () => (await state()).lastFrame.samples > 1);
   });
@@ -353,8 +355,9 @@ async function phoneChecks(name, viewport) {
 }
 
 try {
-  await checks.check('the server starts', () => server.start());
-  if (checks.failed === 0) {
+  const started = await checks.check('the server starts', () => server.start());
+  // Without a picture nothing else can be looked at.
+  if (started && (await pageLoads())) {
     await pictureChecks();
     await settingChecks();
     await pageChecks();

@@ -111,7 +111,8 @@ export class Browser {
 
   problem(text) {
     const disconnect = /ERR_CONNECTION_REFUSED|WebSocket connection to .* failed|ERR_CONNECTION_RESET/.test(text);
-    if (!(this.expectDisconnect && disconnect)) this.problems.push(text);
+    if (this.expectDisconnect && disconnect) return;
+    if (this.problems.length < 20 && !this.problems.includes(text)) this.problems.push(text);
   }
 
   async stop() {
@@ -120,7 +121,7 @@ export class Browser {
   }
 }
 
-/** Runs checks in order; each prints one line. The last line is the count. */
+/** Runs checks in order; each prints one line and answers whether it passed. The last line is the count. */
 export class Checks {
   passed = 0;
   failed = 0;
@@ -134,7 +135,9 @@ export class Checks {
     } catch (error) {
       this.failed += 1;
       console.log(`FAILED  ${name}: ${String(error.message ?? error).split('\n').join('\n        ')}`);
+      return false;
     }
+    return true;
   }
 
   finish() {
