@@ -2,6 +2,7 @@
 //   --device D      the device that is compared with embree (vulkan:0); --size WxH, --samples N, --ao
 //   --checkerboard  every other tile from the other device
 //   --out FOLDER    pictures of both devices and of the difference where a scene fails, or always with --pictures
+//   --packets       embree traces in packets instead of ray by ray
 //   --bar P         share of pixels (per cent) that may differ by more than 1/255 (else by scene, see rows())
 // A row per scene; the last line is `N passed, N failed`, as ./check counts it. Without SCENE: all of rows() that are here.
 
@@ -63,6 +64,7 @@ struct Options {
     bool occlusion = false;
     bool checkerboard = false;
     bool pictures = false;
+    bool packets = false;
     std::string out;
     double bar = -1.0;
     std::vector<std::string> scenes;
@@ -146,7 +148,8 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     Settings settings;
     settings.ambientOcclusion = options.occlusion;
     settings.aoSamples = 4;
-    settings.robust = true;
+    settings.primaryPackets = options.packets;
+    settings.secondaryPackets = options.packets;
     embree.load(scene, settings, {});
     other.load(scene, settings, {});
     // A camera on a scene's axis of symmetry looks through pixel centres along whole edges, and which of two neighbours a
@@ -198,6 +201,7 @@ Options parse(int argc, char** argv) {
         } else if (word == "--samples") options.samples = static_cast<uint32_t>(std::stoul(value()));
         else if (word == "--ao") options.occlusion = true;
         else if (word == "--checkerboard") options.checkerboard = true;
+        else if (word == "--packets") options.packets = true;
         else if (word == "--pictures") options.pictures = true;
         else if (word == "--out") options.out = value();
         else if (word == "--bar") options.bar = std::stod(value());
