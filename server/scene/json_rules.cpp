@@ -51,16 +51,17 @@ std::string shownJson(const json& value) {
 
 void JsonRules::check(const std::string& kind, const json& value, const std::string& where) const {
     if (!value.is_object()) refuse_(where, shownJson(value), "an object");
-    for (const JsonRule& rule : rules_) {
-        if (kind != rule.kind) continue;
-        const auto found = value.find(rule.property);
+    checkExtensions(value, where);
+    const auto rules = rulesOf_.find(kind);
+    if (rules == rulesOf_.end()) return;
+    for (const JsonRule* rule : rules->second) {
+        const auto found = value.find(rule->property);
         if (found != value.end()) {
-            checkProperty(rule, *found, where + "/" + rule.property);
-        } else if (rule.required) {
-            refuse_(where, std::string("property '") + rule.property + "' is missing", wordFor(rule.is));
+            checkProperty(*rule, *found, where + "/" + rule->property);
+        } else if (rule->required) {
+            refuse_(where, std::string("property '") + rule->property + "' is missing", wordFor(rule->is));
         }
     }
-    checkExtensions(value, where);
 }
 
 void JsonRules::checkExtensions(const json& value, const std::string& where) const {

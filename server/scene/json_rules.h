@@ -7,6 +7,8 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <unordered_map>
+#include <vector>
 
 namespace heliograph {
 
@@ -45,7 +47,9 @@ using JsonFault = std::function<void(const std::string& where, const std::string
 class JsonRules {
 public:
     JsonRules(std::span<const JsonRule> rules, const nlohmann::json& root, JsonFault refuse, JsonFault complain)
-        : rules_(rules), root_(root), refuse_(std::move(refuse)), complain_(std::move(complain)) {}
+        : root_(root), refuse_(std::move(refuse)), complain_(std::move(complain)) {
+        for (const JsonRule& rule : rules) rulesOf_[rule.kind].push_back(&rule);
+    }
 
     void check(const std::string& kind, const nlohmann::json& value, const std::string& where) const;
 
@@ -56,7 +60,7 @@ private:
     void checkArray(const JsonRule& rule, const nlohmann::json& value, const std::string& where) const;
     void checkExtensions(const nlohmann::json& value, const std::string& where) const;
 
-    std::span<const JsonRule> rules_;
+    std::unordered_map<std::string, std::vector<const JsonRule*>> rulesOf_;  // by kind
     const nlohmann::json& root_;
     JsonFault refuse_;
     JsonFault complain_;

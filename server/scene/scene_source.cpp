@@ -7,11 +7,11 @@
 #include "server/scene/obj_loader.h"
 #include "server/scene/scene_builder.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <new>
+#include <stdexcept>
 
 namespace heliograph {
 
@@ -69,21 +69,30 @@ const std::vector<SceneRecipe>& sceneRecipes() { return generatedRecipes(); }
 
 std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std::string& environment, const Progress& progress) {
     // Faults of the file that no check foresaw end here as errors of the file, too; what progress throws passes through.
+    std::atomic<bool> abandoned{false};  // progress may be called from worker threads
+    const Progress watched = [&](const std::string& what, double share) {
+        try {
+            report(progress, what, share);
+        } catch (...) {
+            abandoned = true;
+            throw;
+        }
+    };
     try {
         SceneBuilder builder(nameOrPath);
-        fill(nameOrPath, builder, progress);
-        surround(environment, builder, progress);
-        return builder.finish(progress);
+        fill(nameOrPath, builder, watched);
+        surround(environment, builder, watched);
+        return builder.finish(watched);
+    } catch (const InputError&) {
+        throw;
     } catch (const std::bad_alloc&) {
         throw InputError(nameOrPath, "the scene does not fit into memory", "a smaller scene");
     } catch (const std::length_error&) {
         throw InputError(nameOrPath, "the scene does not fit into memory", "a smaller scene");
-    } catch (const nlohmann::json::exception& error) {
-        throw InputError(nameOrPath, std::string("the file cannot be read: ") + error.what());
-    } catch (const std::out_of_range& error) {
-        throw InputError(nameOrPath, std::string("the file cannot be read: ") + error.what());
-    } catch (const fs::filesystem_error& error) {
-        throw InputError(nameOrPath, error.code().message());
+    } catch (const std::exception& error) {
+        if (abandoned) throw;
+        const std::string what = error.what();
+        throw InputError(nameOrPath, "the scene cannot be read: " + what.substr(0, std::min(what.find('\n'), size_t(200))));
     }
 }
 
