@@ -43,7 +43,8 @@ export class Banner {
     const state = this.viewer_.state.connection;
     const first = this.viewer_.state.hello === null;
     if (state.name === 'stopped') return this.show('Not connected', state.reason, null);
-    if (state.name === 'connecting') return this.show(first ? 'Connecting' : 'Connection lost', first ? 'to the server' : 'trying again now', null);
+    if (state.name === 'connecting')
+      return this.show(first ? 'Connecting' : 'Connection lost', first ? 'to the server' : 'trying again now', null);
     if (state.name !== 'waiting') return;
     const seconds = Math.max(0, Math.ceil((state.retryAt - performance.now()) / 1000));
     const reason = state.reason === '' ? '' : ` (${state.reason})`;
@@ -65,14 +66,21 @@ export class Banner {
     });
   }
 
-  private show(title: string, text: string, share: number | null, action = '', act: () => void = () => undefined): void {
+  private show(
+    title: string,
+    text: string,
+    share: number | null,
+    action = '',
+    act: () => void = () => undefined,
+  ): void {
     if (this.element.hidden || this.title_.textContent !== title) this.announce_(`${title}. ${text}`);
     setText(this.title_, title);
     setText(this.text_, text);
     this.progress_.hidden = share === null;
     this.progress_.value = share ?? 0;
     this.button_.hidden = action === '';
-    if (this.button_.textContent !== action) this.button_.replaceChildren(action === 'Close' ? icon('close') : '', action);
+    if (this.button_.textContent !== action)
+      this.button_.replaceChildren(action === 'Close' ? icon('close') : '', action);
     this.act_ = act;
     this.element.hidden = false;
   }

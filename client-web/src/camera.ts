@@ -32,13 +32,19 @@ function orthonormal(camera: Camera): Camera {
   return { ...camera, forward, up };
 }
 
-/** The horizontal axis for pitch: level even when the camera is rolled, its own right when it looks along the world's up. */
+/**
+ * The horizontal axis for pitch: level even when the camera is rolled, its own right when it looks along the world's
+ * up.
+ */
 function levelRight(camera: Camera): Vec3 {
   const level = cross(camera.forward, WORLD_UP);
   return length(level) > 1e-4 ? normalize(level) : rightOf(camera);
 }
 
-/** `pitch` shortened so that the view does not pass the pole. A view already past the margin may only turn away from it. */
+/**
+ * `pitch` shortened so that the view does not pass the pole. A view already past the margin may only turn away from
+ * it.
+ */
 function limitedPitch(forward: Vec3, pitch: number): number {
   const fromUp = Math.acos(clamp(dot(forward, WORLD_UP), -1, 1));
   const highest = Math.max(0, fromUp - POLE_MARGIN);

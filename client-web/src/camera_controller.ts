@@ -19,11 +19,20 @@ export type NavigationMode = 'fly' | 'orbit';
 
 /** What a held key does; values of opposite pairs add up. */
 export type HeldAction =
-  | 'forward' | 'back' | 'left' | 'right'
-  | 'rollLeft' | 'rollRight'
-  | 'faster' | 'slower'
-  | 'widen' | 'narrow'
-  | 'lookLeft' | 'lookRight' | 'lookUp' | 'lookDown';
+  | 'forward'
+  | 'back'
+  | 'left'
+  | 'right'
+  | 'rollLeft'
+  | 'rollRight'
+  | 'faster'
+  | 'slower'
+  | 'widen'
+  | 'narrow'
+  | 'lookLeft'
+  | 'lookRight'
+  | 'lookUp'
+  | 'lookDown';
 
 export interface ControllerHooks {
   /** One call of `step` at the next animation frame. */
@@ -193,7 +202,8 @@ export class CameraController {
   }
 
   private applyHeld(seconds: number, time: number): void {
-    const axis = (plus: HeldAction, minus: HeldAction): number => Number(this.held_.has(plus)) - Number(this.held_.has(minus));
+    const axis = (plus: HeldAction, minus: HeldAction): number =>
+      Number(this.held_.has(plus)) - Number(this.held_.has(minus));
     const speed = this.radius_ * MOVE_SPEED * Math.pow(10, axis('faster', 'slower')) * seconds;
     const right = axis('right', 'left') * speed;
     const forward = axis('forward', 'back') * speed;
@@ -206,9 +216,8 @@ export class CameraController {
     if (lean !== 0) next = roll(next, lean);
     if (widen !== 0) next = withFieldOfView(next, next.fieldOfView + widen);
     if (turnRight !== 0 || turnUp !== 0) {
-      next = this.mode_ === 'orbit'
-        ? orbit(next, this.distance_, turnRight, turnUp)
-        : lookOnScreen(next, turnRight, turnUp);
+      next =
+        this.mode_ === 'orbit' ? orbit(next, this.distance_, turnRight, turnUp) : lookOnScreen(next, turnRight, turnUp);
     }
     if (next !== this.camera_) this.change(next, this.dirty_ ? this.eventTime_ : time);
   }

@@ -1,4 +1,5 @@
-// A small chart of the times between frames: one bar per frame, newest at the right, guide lines at 60 and 30 per second.
+// A small chart of the times between frames: one bar per frame, newest at the right, guide lines at 60 and 30 per
+// second.
 
 import { el } from './dom.js';
 import { compact } from './format.js';
@@ -31,7 +32,8 @@ export class FrameChart {
     const style = getComputedStyle(this.canvas_);
     context.clearRect(0, 0, width, height);
     context.fillStyle = style.getPropertyValue('--line');
-    for (const guide of GUIDES) if (guide < top) context.fillRect(0, Math.round(height * (1 - guide / top)), width, Math.max(1, ratio));
+    for (const guide of GUIDES)
+      if (guide < top) context.fillRect(0, Math.round(height * (1 - guide / top)), width, Math.max(1, ratio));
     context.fillStyle = style.getPropertyValue('--accent');
     const step = width / BARS;
     values.forEach((value, index) => {

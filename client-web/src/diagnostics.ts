@@ -1,4 +1,5 @@
-// `window.heliograph`: what the page knows, to be read by tests and in the browser's console (docs/client.md). Read-only.
+// `window.heliograph`: what the page knows, to be read by tests and in the browser's console (docs/client.md). Read-
+// only.
 
 import type { Viewer } from './viewer.js';
 
@@ -39,14 +40,17 @@ export function exposeDiagnostics(viewer: Viewer): void {
       connection: state.connection.name,
       server: state.hello?.server ?? null,
       scene: state.scene === null ? null : { name: state.scene.name, state: state.scene.state },
-      lastFrame: frame === null ? null : {
-        frameId: frame.frameId,
-        inputId: frame.inputId,
-        samples: frame.samples,
-        width: frame.width,
-        height: frame.height,
-        final: frame.final,
-      },
+      lastFrame:
+        frame === null
+          ? null
+          : {
+              frameId: frame.frameId,
+              inputId: frame.inputId,
+              samples: frame.samples,
+              width: frame.width,
+              height: frame.height,
+              final: frame.final,
+            },
       lastInputId: state.lastInputId,
       framesPresented: state.framesPresented,
       framesDropped: state.framesDropped,

@@ -2,7 +2,7 @@
 // most one per animation frame.
 
 import { FrameQueue } from './frame_queue.js';
-import { MIME_TYPES, type Frame } from './protocol.js';
+import { MIME_TYPES, type Frame } from './frame.js';
 
 export interface Presentation {
   readonly frame: Frame;
@@ -50,7 +50,10 @@ export class Display {
     };
   }
 
-  /** A hidden page gets no animation frames; a timer, which browsers then slow down to about 1/s, keeps it acknowledging. */
+  /**
+   * A hidden page gets no animation frames; a timer, which browsers then slow down to about 1/s, keeps it
+   * acknowledging.
+   */
   private schedule(): void {
     if (document.hidden) window.setTimeout(() => this.queue_.present(), 0);
     else requestAnimationFrame(() => this.queue_.present());

@@ -1,7 +1,7 @@
 // Newest wins between decoder and screen: of the frames that are decoded, only the newest waits for the next animation
 // frame; older ones are dropped. Knows no DOM, so tests drive it by hand.
 
-import type { Frame } from './protocol.js';
+import type { Frame } from './frame.js';
 
 export interface DecodedImage {
   close(): void;

@@ -48,7 +48,11 @@ export class HelpDialog {
   readonly element: HTMLDialogElement;
 
   constructor() {
-    const close = el('button', { type: 'button', class: 'ghost', 'aria-label': 'Close help', autofocus: true }, icon('close'));
+    const close = el(
+      'button',
+      { type: 'button', class: 'ghost', 'aria-label': 'Close help', autofocus: true },
+      icon('close'),
+    );
     this.element = el(
       'dialog',
       { class: 'help', 'aria-labelledby': 'help-title' },

@@ -120,7 +120,12 @@ export function attachPointers(canvas: HTMLCanvasElement, controller: CameraCont
     'wheel',
     (event) => {
       event.preventDefault();
-      const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? LINE_PIXELS : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 300 : 1;
+      const unit =
+        event.deltaMode === WheelEvent.DOM_DELTA_LINE
+          ? LINE_PIXELS
+          : event.deltaMode === WheelEvent.DOM_DELTA_PAGE
+            ? 300
+            : 1;
       controller.wheel(event.deltaY * unit, event.timeStamp);
     },
     { passive: false },

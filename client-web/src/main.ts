@@ -7,7 +7,7 @@ import { el, iconButton, setText } from './dom.js';
 import { HelpDialog } from './help.js';
 import { attachKeyboard, attachPointers } from './input.js';
 import { Panel } from './panel.js';
-import { MIME_TYPES, type Frame } from './protocol.js';
+import { MIME_TYPES, type Frame } from './frame.js';
 import { displayName, fileName } from './scene_name.js';
 import { SettingsPanel, storedResolutionMode } from './settings_panel.js';
 import { StatsPanel } from './stats_panel.js';
@@ -75,7 +75,17 @@ function start(): void {
   restore.addEventListener('click', togglePanels);
   const dock = new Dock(viewer, { statistics, settings }, { help: () => help.toggle(), hide: togglePanels });
   const banner = new Banner(viewer, announce);
-  page.append(new SceneBar(viewer).element, statistics.element, settings.element, dock.element, restore, banner.element, toasts.element, live, help.element);
+  page.append(
+    new SceneBar(viewer).element,
+    statistics.element,
+    settings.element,
+    dock.element,
+    restore,
+    banner.element,
+    toasts.element,
+    live,
+    help.element,
+  );
 
   attachPointers(canvas, viewer.controller);
   attachKeyboard(viewer.controller, {

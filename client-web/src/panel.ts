@@ -1,5 +1,5 @@
-// A panel that floats over the picture and folds away: to its heading in a wide window, out of sight in a narrow one, where
-// panels are sheets at the bottom and only one is open at a time. It stays as it was left.
+// A panel that floats over the picture and folds away: to its heading in a wide window, out of sight in a narrow one,
+// where panels are sheets at the bottom and only one is open at a time. It stays as it was left.
 
 import { el, icon, uniqueId } from './dom.js';
 import { recall, remember } from './storage.js';

@@ -1,94 +1,11 @@
-// The wire as docs/protocol.md states it: frame header, control messages. Everything from the server is checked here, so
-// the rest of the page deals with typed values only.
+// The control messages of docs/protocol.md. What comes from the server is checked here (and in frame.ts), so the rest
+// of the page deals with typed values only.
 
 import type { Bounds, Camera } from './camera.js';
+import { ProtocolError } from './frame.js';
 import type { Vec3 } from './vector.js';
 
 export const PROTOCOL = 'heliograph.v1';
-export const HEADER_BYTES = 64;
-
-/** Something from the server that does not follow the protocol. */
-export class ProtocolError extends Error {}
-
-export type Codec = 'jpeg' | 'png' | 'exr';
-const CODECS: readonly Codec[] = ['jpeg', 'png', 'exr'];
-export const MIME_TYPES: Readonly<Record<Codec, string>> = {
-  jpeg: 'image/jpeg',
-  png: 'image/png',
-  exr: 'image/x-exr',
-};
-const DEVICE_BITS: readonly string[] = ['embree', 'vulkan', 'remote'];
-
-export interface Frame {
-  readonly kind: 'frame' | 'picture';
-  readonly codec: Codec;
-  readonly moving: boolean;
-  readonly final: boolean; // the sample target is reached
-  readonly path: boolean; // a frame of the benchmark path
-  readonly quality: number; // jpeg
-  readonly frameId: number;
-  readonly inputId: number; // newest input that this picture shows
-  readonly generation: number;
-  readonly width: number;
-  readonly height: number;
-  readonly fullWidth: number; // display size asked for
-  readonly fullHeight: number;
-  readonly samples: number; // per pixel
-  readonly relativeError: number; // 1 = unknown
-  readonly renderMs: number;
-  readonly developMs: number;
-  readonly encodeMs: number;
-  readonly queueMs: number; // input to render start
-  readonly sendMs: number; // encoded to written
-  readonly devices: readonly string[];
-  readonly payload: Uint8Array<ArrayBuffer>;
-}
-
-/** Reads a binary message. Throws ProtocolError naming field, found value and what is allowed. */
-export function parseFrame(buffer: ArrayBuffer): Frame {
-  if (buffer.byteLength < HEADER_BYTES) {
-    throw new ProtocolError(`frame: ${buffer.byteLength} bytes, allowed: at least ${HEADER_BYTES}`);
-  }
-  const view = new DataView(buffer);
-  if (view.getUint8(0) !== 0x48 || view.getUint8(1) !== 0x47) throw new ProtocolError('frame: does not start with "HG"');
-  const kind = view.getUint8(2);
-  if (kind !== 1 && kind !== 2) throw new ProtocolError(`frame kind: ${kind}, allowed: 1, 2`);
-  const codec = CODECS[view.getUint8(3)];
-  if (codec === undefined) throw new ProtocolError(`frame codec: ${view.getUint8(3)}, allowed: 0 to ${CODECS.length - 1}`);
-  const headerBytes = view.getUint16(4, true);
-  const payloadBytes = view.getUint32(56, true);
-  if (headerBytes < HEADER_BYTES || headerBytes + payloadBytes !== buffer.byteLength) {
-    throw new ProtocolError(`frame: header ${headerBytes} + payload ${payloadBytes} bytes, found ${buffer.byteLength}`);
-  }
-  const flags = view.getUint8(6);
-  const milliseconds = (offset: number): number => view.getUint32(offset, true) / 1000;
-  const deviceBits = view.getUint32(60, true);
-  return {
-    kind: kind === 1 ? 'frame' : 'picture',
-    codec,
-    moving: (flags & 1) !== 0,
-    final: (flags & 2) !== 0,
-    path: (flags & 4) !== 0,
-    quality: view.getUint8(7),
-    frameId: view.getUint32(8, true),
-    inputId: view.getUint32(12, true),
-    generation: view.getUint32(16, true),
-    width: view.getUint16(20, true),
-    height: view.getUint16(22, true),
-    fullWidth: view.getUint16(24, true),
-    fullHeight: view.getUint16(26, true),
-    samples: view.getUint32(28, true),
-    relativeError: view.getFloat32(32, true),
-    renderMs: milliseconds(36),
-    developMs: milliseconds(40),
-    encodeMs: milliseconds(44),
-    queueMs: milliseconds(48),
-    sendMs: milliseconds(52),
-    devices: DEVICE_BITS.filter((_, bit) => (deviceBits & (1 << bit)) !== 0),
-    payload: new Uint8Array(buffer, headerBytes, payloadBytes),
-  };
-}
-
 export type SettingValue = boolean | number | string;
 export type SettingValues = Readonly<Record<string, SettingValue>>;
 
@@ -193,7 +110,8 @@ export type ServerMessage =
 
 type Fields = Record<string, unknown>;
 
-const isObject = (value: unknown): value is Fields => typeof value === 'object' && value !== null && !Array.isArray(value);
+const isObject = (value: unknown): value is Fields =>
+  typeof value === 'object' && value !== null && !Array.isArray(value);
 const fieldsOf = (value: unknown): Fields => (isObject(value) ? value : {});
 const listOf = (value: unknown): readonly unknown[] => (Array.isArray(value) ? value : []);
 const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
@@ -240,7 +158,9 @@ function settingRowOf(value: unknown): SettingRow {
   const type = fields['type'];
   const preset = fields['default'];
   if (type !== 'bool' && type !== 'int' && type !== 'float' && type !== 'choice') {
-    throw new ProtocolError(`hello.schema ${textOf(fields['name'])}: type ${String(type)}, allowed: bool, int, float, choice`);
+    throw new ProtocolError(
+      `hello.schema ${textOf(fields['name'])}: type ${String(type)}, allowed: bool, int, float, choice`,
+    );
   }
   const choices = listOf(fields['choices']).map(textOf);
   // A choice's default may come as the word or as its index.
@@ -292,7 +212,11 @@ function sceneReadyOf(fields: Fields): SceneReady {
     warnings: listOf(fields['warnings']).map(textOf),
     effects: listOf(fields['effects']).map((entry) => {
       const effect = fieldsOf(entry);
-      return { name: textOf(effect['name']), calledFor: effect['calledFor'] === true, because: textOf(effect['because']) };
+      return {
+        name: textOf(effect['name']),
+        calledFor: effect['calledFor'] === true,
+        because: textOf(effect['because']),
+      };
     }),
   };
 }

@@ -8,9 +8,13 @@ export function displayName(name: string): string {
 
 /** Name for a saved picture; only characters that every file system takes. */
 export function fileName(scene: string, width: number, height: number, samples: number, extension: string): string {
-  const base = displayName(scene).replace(/\.[a-z]+$/i, '').toLowerCase().replace(/[^a-z0-9_-]+/g, '-');
+  const base = displayName(scene)
+    .replace(/\.[a-z]+$/i, '')
+    .toLowerCase()
+    .replace(/[^a-z0-9_-]+/g, '-');
   return `heliograph-${base || 'picture'}-${width}x${height}-${samples}spp.${extension}`;
 }
 
 /** `ambientOcclusion` as "ambient occlusion". */
-export const spacedWords = (name: string): string => name.replace(/([a-z])([A-Z])/g, (_, a: string, b: string) => `${a} ${b.toLowerCase()}`);
+export const spacedWords = (name: string): string =>
+  name.replace(/([a-z])([A-Z])/g, (_, a: string, b: string) => `${a} ${b.toLowerCase()}`);

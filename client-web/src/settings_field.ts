@@ -36,15 +36,46 @@ export class SettingField {
     const id = uniqueId('setting');
     this.error_.id = `${id}-error`;
     const help = this.help(id);
-    this.reset_ = el('button', { type: 'button', class: 'ghost reset', 'aria-label': `Reset ${row_.label} to its default`, title: 'Reset to default' }, icon('reset'));
+    this.reset_ = el(
+      'button',
+      {
+        type: 'button',
+        class: 'ghost reset',
+        'aria-label': `Reset ${row_.label} to its default`,
+        title: 'Reset to default',
+      },
+      icon('reset'),
+    );
     this.reset_.addEventListener('click', () => hooks_.changed(hooks_.preset?.() ?? row_.default));
     const label = el('label', { for: id }, row_.label);
-    const built = row_.type === 'bool' ? this.buildSwitch(id) : row_.type === 'choice' ? this.buildChoice(id) : this.buildNumber(id);
+    const built =
+      row_.type === 'bool'
+        ? this.buildSwitch(id)
+        : row_.type === 'choice'
+          ? this.buildChoice(id)
+          : this.buildNumber(id);
     this.show_ = built.show;
     this.control_ = built.control;
     this.control_.setAttribute('aria-describedby', `${id}-help ${id}-error`);
-    const head = el('div', { class: 'field-head' }, label, help.button, help.price, el('span', { class: 'spacer' }), this.reset_, ...built.inline);
-    this.element = el('div', { class: `field ${row_.type}`, 'data-setting': row_.name }, head, ...built.below, this.error_, this.note_, help.text);
+    const head = el(
+      'div',
+      { class: 'field-head' },
+      label,
+      help.button,
+      help.price,
+      el('span', { class: 'spacer' }),
+      this.reset_,
+      ...built.inline,
+    );
+    this.element = el(
+      'div',
+      { class: `field ${row_.type}`, 'data-setting': row_.name },
+      head,
+      ...built.below,
+      this.error_,
+      this.note_,
+      help.text,
+    );
   }
 
   /** `isDefault` hides the reset button without moving anything. */
@@ -70,7 +101,14 @@ export class SettingField {
     const price = PRICES[this.row_.price];
     const button = el(
       'button',
-      { type: 'button', class: 'help-button', 'aria-expanded': 'false', 'aria-controls': `${id}-help`, 'aria-label': `About ${this.row_.label}`, title: `${this.row_.help} ${price?.text ?? ''}`.trim() },
+      {
+        type: 'button',
+        class: 'help-button',
+        'aria-expanded': 'false',
+        'aria-controls': `${id}-help`,
+        'aria-label': `About ${this.row_.label}`,
+        title: `${this.row_.help} ${price?.text ?? ''}`.trim(),
+      },
       icon('help'),
     );
     const text = el('p', { class: 'field-help', id: `${id}-help`, hidden: true }, this.row_.help);
@@ -98,13 +136,22 @@ export class SettingField {
   private buildNumber(id: string): Built {
     const row = this.row_;
     const unit = row.unit === '' ? '' : ` ${row.unit}`;
-    const number = el('input', { type: 'number', id, step: row.type === 'int' ? 1 : 'any', min: row.low, max: row.high, inputmode: 'decimal' });
+    const number = el('input', {
+      type: 'number',
+      id,
+      step: row.type === 'int' ? 1 : 'any',
+      min: row.low,
+      max: row.high,
+      inputmode: 'decimal',
+    });
     const slider = el('input', { type: 'range', min: 0, max: SLIDER_STEPS, step: 'any', 'aria-label': row.label });
     let value = typeof row.default === 'number' ? row.default : row.low;
     number.addEventListener('change', () => {
       if (number.value.trim() === '' || !Number.isFinite(number.valueAsNumber)) {
         number.value = settingNumber(value);
-        this.hooks_.invalid(`${row.name}: not a number, allowed: ${settingNumber(row.low)} to ${settingNumber(row.high)}`);
+        this.hooks_.invalid(
+          `${row.name}: not a number, allowed: ${settingNumber(row.low)} to ${settingNumber(row.high)}`,
+        );
       } else {
         this.hooks_.changed(number.valueAsNumber);
       }
@@ -124,7 +171,8 @@ export class SettingField {
       value = next;
       if (document.activeElement !== number || Number(number.value) !== next) number.value = settingNumber(next);
       const position = toSlider(row, next);
-      if (document.activeElement !== slider || Math.abs(slider.valueAsNumber - position) > 5) slider.value = String(position);
+      if (document.activeElement !== slider || Math.abs(slider.valueAsNumber - position) > 5)
+        slider.value = String(position);
       slider.style.setProperty('--share', String(position / SLIDER_STEPS));
       slider.setAttribute('aria-valuetext', settingNumber(next) + unit);
     };

@@ -1,5 +1,5 @@
-// The settings panel, built from the server's table. What the page itself rules (field of view, picture size) stands among
-// the rest.
+// The settings panel, built from the server's table. What the page itself rules (field of view, picture size) stands
+// among the rest.
 
 import { FIELD_OF_VIEW_HIGH, FIELD_OF_VIEW_LOW } from './camera.js';
 import { el, icon } from './dom.js';
@@ -57,7 +57,11 @@ export class SettingsPanel {
     this.panel_.body.replaceChildren(
       this.group('picture', 'Picture', picture),
       this.group('effects', 'Effects', group(isEffect)),
-      this.group('renderer', 'Renderer', group((row) => !isEffect(row) && !PICTURE_ROWS.includes(row.name))),
+      this.group(
+        'renderer',
+        'Renderer',
+        group((row) => !isEffect(row) && !PICTURE_ROWS.includes(row.name)),
+      ),
       this.resetButton(),
     );
     this.refresh();
@@ -70,7 +74,12 @@ export class SettingsPanel {
     const key = `group.${name}`;
     const stored = recall(key);
     const open = stored === null ? name !== 'renderer' : stored === 'open';
-    const details = el('details', { open }, el('summary', {}, el('span', {}, title), icon('chevron')), el('div', { class: 'fields' }, ...fields));
+    const details = el(
+      'details',
+      { open },
+      el('summary', {}, el('span', {}, title), icon('chevron')),
+      el('div', { class: 'fields' }, ...fields),
+    );
     details.addEventListener('toggle', () => remember(key, details.open ? 'open' : 'folded'));
     return details;
   }

@@ -1,5 +1,5 @@
-// Maps a setting's range to a slider and back. Ranges are often wide (1 to 65,536) with the useful part near one end, so
-// the scale is a power curve that puts the default value at a third of the way when it lies lower than that.
+// Maps a setting's range to a slider and back. Ranges are often wide (1 to 65,536) with the useful part near one end,
+// so the scale is a power curve that puts the default value at a third of the way when it lies lower than that.
 
 import type { SettingRow } from './protocol.js';
 

@@ -23,12 +23,14 @@ const UNAUTHORIZED = 4001; // close code
 const NEEDS_TOKEN = 'This server asks for a token. Add #token=… to the address of the page.';
 const WRONG_TOKEN = 'The server refused the token. Check #token=… in the address of the page and reload it.';
 
-/** The token of a page address that ends in `#token=…`; a fragment is never sent to a server or written to its log. */
+/** The token of a page address that ends in `#token=…`; a fragment is never sent to a server. */
 export function tokenOf(pageUrl: string): string | null {
   return new URLSearchParams(new URL(pageUrl).hash.slice(1)).get('token');
 }
 
-/** Milliseconds to wait before attempt `attempt` (0 first). `random` in [0, 1) spreads viewers of one server by 20 %. */
+/**
+ * Milliseconds to wait before attempt `attempt` (0 first). `random` in [0, 1) spreads viewers of one server by 20 %.
+ */
 export function backoffDelay(attempt: number, random: number): number {
   const delay = Math.min(LONGEST_DELAY, FIRST_DELAY * 2 ** Math.min(attempt, 10));
   return delay * (0.9 + 0.2 * random);

@@ -5,7 +5,8 @@ import { el, setText } from './dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from './format.js';
 import { Window } from './latency.js';
 import type { Panel } from './panel.js';
-import type { Frame, Numbers } from './protocol.js';
+import type { Frame } from './frame.js';
+import type { Numbers } from './protocol.js';
 import type { Viewer } from './viewer.js';
 
 const REFRESH_MS = 250;
@@ -47,7 +48,13 @@ class BarList {
     if (entry === undefined) {
       const bar = el('span', { class: 'fill' });
       const value = el('span', { class: 'figure' });
-      const row = el('div', { class: `bar-row ${className}`, title: help }, el('span', { class: 'bar-label' }, label), el('span', { class: 'bar-track' }, bar), value);
+      const row = el(
+        'div',
+        { class: `bar-row ${className}`, title: help },
+        el('span', { class: 'bar-label' }, label),
+        el('span', { class: 'bar-track' }, bar),
+        value,
+      );
       entry = { row, bar, value };
       this.rows_.set(name, entry);
       this.element.append(row);
@@ -73,13 +80,23 @@ class Figure {
 
   constructor(label: string, unit: string, help: string) {
     const head = el('span', { class: 'big-label' }, label);
-    this.element = el('div', { class: 'big', title: help }, head, el('span', { class: 'big-line' }, this.value, el('span', { class: 'unit' }, unit)), this.detail);
+    this.element = el(
+      'div',
+      { class: 'big', title: help },
+      head,
+      el('span', { class: 'big-line' }, this.value, el('span', { class: 'unit' }, unit)),
+      this.detail,
+    );
   }
 }
 
 export class StatsPanel {
   private readonly rate_ = new Figure('Frames', '/s', 'Pictures shown per second');
-  private readonly delay_ = new Figure('Motion to photon', 'ms', 'From the input event to the first picture that shows it: median of the last 240. The screen adds one or two refreshes.');
+  private readonly delay_ = new Figure(
+    'Motion to photon',
+    'ms',
+    'From the input event to the first picture that shows it: median of the last 240. The screen adds one or two refreshes.',
+  );
   private readonly rays_ = new Figure('Rays', 'M/s', 'Million rays per second while tracing');
   private readonly chart_ = new FrameChart();
   private readonly samples_ = el('span', { class: 'figure' });
@@ -102,7 +119,13 @@ export class StatsPanel {
     panel_.body.append(
       el('div', { class: 'bigs' }, this.rate_.element, this.delay_.element, this.rays_.element),
       this.chart_.element,
-      el('section', { class: 'stats-section' }, line('Samples per pixel', this.samples_), this.progress_, line('Relative error', this.error_)),
+      el(
+        'section',
+        { class: 'stats-section' },
+        line('Samples per pixel', this.samples_),
+        this.progress_,
+        line('Relative error', this.error_),
+      ),
       section('Time of a frame', this.stages_.element),
       section('Rays of the last pass', this.rayList_.element),
       section('Tiles by device', this.devices_.element),
@@ -184,7 +207,14 @@ export class StatsPanel {
     const device = this.viewer_.state.lastFrame?.devices[0] ?? '';
     for (const { name, label, help } of STAGES) {
       const time = times[name] ?? null;
-      this.stages_.row(name, label, (time ?? 0) / longest, milliseconds(time), name === 'render' ? deviceClass(device || 'embree') : '', help);
+      this.stages_.row(
+        name,
+        label,
+        (time ?? 0) / longest,
+        milliseconds(time),
+        name === 'render' ? deviceClass(device || 'embree') : '',
+        help,
+      );
     }
   }
 

@@ -1,4 +1,5 @@
-// Short messages over the picture: notices go by themselves, errors stay until they are closed (at most a few at a time).
+// Short messages over the picture: notices go by themselves, errors stay until they are closed (at most a few at a
+// time).
 
 import { el, icon } from './dom.js';
 
@@ -24,7 +25,13 @@ export class Toasts {
     for (const other of list.children) if (other.querySelector('p')?.textContent === text) other.remove();
     while (list.children.length >= MOST) list.firstElementChild?.remove();
     const close = el('button', { type: 'button', class: 'ghost', 'aria-label': 'Close message' }, icon('close'));
-    const toast = el('div', { class: `toast ${kind}` }, icon(kind === 'error' ? 'warning' : 'info'), el('p', {}, text), close);
+    const toast = el(
+      'div',
+      { class: `toast ${kind}` },
+      icon(kind === 'error' ? 'warning' : 'info'),
+      el('p', {}, text),
+      close,
+    );
     close.addEventListener('click', () => toast.remove());
     list.append(toast);
     if (kind === 'notice' && !stay) window.setTimeout(() => toast.remove(), NOTICE_MS);

@@ -14,7 +14,13 @@ export class SceneBar {
   private readonly info_: InfoPopover;
 
   constructor(private readonly viewer_: Viewer) {
-    const sceneButton = el('button', { type: 'button', class: 'picker', title: 'Choose a scene' }, el('span', { class: 'sr-only' }, 'Scene: '), this.sceneLabel_, icon('chevron'));
+    const sceneButton = el(
+      'button',
+      { type: 'button', class: 'picker', title: 'Choose a scene' },
+      el('span', { class: 'sr-only' }, 'Scene: '),
+      this.sceneLabel_,
+      icon('chevron'),
+    );
     const cameraButton = iconButton('camera', 'Viewpoint', 'R resets', 'tool');
     const scenes = new Menu(sceneButton, 'Scenes', () => this.sceneItems());
     scenes.element.classList.add('grow');
@@ -62,7 +68,14 @@ class InfoPopover {
 
   constructor(private readonly viewer_: Viewer) {
     const id = uniqueId('info');
-    this.card_ = el('div', { class: 'menu info-card', id, role: 'region', 'aria-label': 'About the scene', tabindex: -1, hidden: true });
+    this.card_ = el('div', {
+      class: 'menu info-card',
+      id,
+      role: 'region',
+      'aria-label': 'About the scene',
+      tabindex: -1,
+      hidden: true,
+    });
     this.button_.setAttribute('aria-controls', id);
     this.button_.setAttribute('aria-expanded', 'false');
     this.button_.append(this.badge_);
@@ -91,20 +104,36 @@ class InfoPopover {
     const warnings = ready.warnings.length;
     setText(this.badge_, String(warnings));
     this.badge_.hidden = warnings === 0;
-    this.button_.setAttribute('aria-label', warnings === 0 ? 'About the scene' : `About the scene, ${warnings} warnings`);
+    this.button_.setAttribute(
+      'aria-label',
+      warnings === 0 ? 'About the scene' : `About the scene, ${warnings} warnings`,
+    );
     const description = hello?.scenes.find((entry) => entry.name === readyName)?.description ?? '';
     const facts: readonly (readonly [string, string])[] = [
       ['Triangles', whole(ready.triangles)],
       ['Instances', count(ready.instances)],
       ['Lights', count(ready.lights)],
-      ['Effects', ready.effects.filter((effect) => effect.calledFor).map((effect) => spacedWords(effect.name)).join(', ') || 'none'],
+      [
+        'Effects',
+        ready.effects
+          .filter((effect) => effect.calledFor)
+          .map((effect) => spacedWords(effect.name))
+          .join(', ') || 'none',
+      ],
     ];
     const list = el('dl', { class: 'facts' });
     for (const [label, value] of facts) list.append(el('dt', {}, label), el('dd', {}, value));
-    this.card_.replaceChildren(el('h3', {}, displayName(readyName)), description === '' ? '' : el('p', { class: 'muted' }, description), list);
+    this.card_.replaceChildren(
+      el('h3', {}, displayName(readyName)),
+      description === '' ? '' : el('p', { class: 'muted' }, description),
+      list,
+    );
     if (warnings === 0) return;
     const items = ready.warnings.map((warning) => el('li', {}, warning));
-    this.card_.append(el('h4', {}, icon('warning'), `${warnings} ${warnings === 1 ? 'warning' : 'warnings'}`), el('ul', {}, ...items));
+    this.card_.append(
+      el('h4', {}, icon('warning'), `${warnings} ${warnings === 1 ? 'warning' : 'warnings'}`),
+      el('ul', {}, ...items),
+    );
   }
 }
 
@@ -178,7 +207,9 @@ export class Dock {
     if (label.textContent === (orbit ? 'Orbit' : 'Fly') && this.mode_.dataset['ready'] === 'true') return;
     this.mode_.dataset['ready'] = 'true';
     label.textContent = orbit ? 'Orbit' : 'Fly';
-    this.mode_.title = orbit ? 'Dragging turns around the scene. Switch to flying (O)' : 'Dragging looks around. Switch to orbiting (O)';
+    this.mode_.title = orbit
+      ? 'Dragging turns around the scene. Switch to flying (O)'
+      : 'Dragging looks around. Switch to orbiting (O)';
     this.mode_.setAttribute('aria-label', orbit ? 'Navigation: orbit' : 'Navigation: fly');
     this.mode_.querySelector('svg')!.replaceWith(icon(orbit ? 'orbit' : 'fly'));
   }

@@ -1,16 +1,15 @@
-// One viewer's session: what is known of the server, what was asked of it, and the rules between the two (restore after a
-// reconnect, acknowledge every frame, newest input wins). The panels read `state` and hear of changes by topic.
+// One viewer's session: what is known of the server, what was asked of it, and the rules between the two (restore
+// after a reconnect, acknowledge every frame, newest input wins). The panels read `state` and hear of changes by
+// topic.
 
 import { CameraController } from './camera_controller.js';
 import type { Camera } from './camera.js';
 import { Display, type Presentation } from './display.js';
 import { MotionToPhoton, RateMeter, Window } from './latency.js';
+import { parseFrame, ProtocolError, type Frame } from './frame.js';
 import {
-  parseFrame,
   parseMessage,
   PROTOCOL,
-  ProtocolError,
-  type Frame,
   type Hello,
   type PathResult,
   type PictureFormat,
@@ -19,33 +18,11 @@ import {
   type ServerMessage,
   type SettingValue,
   type SettingValues,
-  type Stats,
 } from './protocol.js';
-import { pictureSize, type PictureSize, type ResolutionMode } from './resolution.js';
+import { pictureSize, type ResolutionMode } from './resolution.js';
 import { SettingsModel } from './settings_model.js';
+import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import { Connection, socketUrl, tokenOf, type ConnectionState } from './socket.js';
-
-export type Topic = 'connection' | 'hello' | 'scene' | 'settings' | 'stats' | 'path' | 'frame' | 'camera' | 'resolution';
-
-export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
-
-export interface ViewerState {
-  connection: ConnectionState;
-  hello: Hello | null;
-  scene: SceneMessage | null; // the newest word on it
-  ready: SceneReady | null; // of the scene that is shown
-  readyName: string;
-  stats: Stats | null;
-  pathPlaying: boolean;
-  pathResult: PathResult | null;
-  lastFrame: Frame | null; // the newest that was presented
-  framesPresented: number;
-  framesDropped: number;
-  lastInputId: number;
-  picturesAwaited: number;
-  resolution: PictureSize;
-  resolutionMode: ResolutionMode;
-}
 
 /** After a reconnect: the scene that was shown before, and the server's words on others meanwhile. */
 interface Restoring {
@@ -104,23 +81,7 @@ export class Viewer {
       send: (camera, moving, eventTime) => this.sendCamera(camera, moving, eventTime),
       changed: () => this.emit('camera'),
     });
-    this.state = {
-      connection: { name: 'connecting' },
-      hello: null,
-      scene: null,
-      ready: null,
-      readyName: '',
-      stats: null,
-      pathPlaying: false,
-      pathResult: null,
-      lastFrame: null,
-      framesPresented: 0,
-      framesDropped: 0,
-      lastInputId: 0,
-      picturesAwaited: 0,
-      resolution: { width: 0, height: 0 },
-      resolutionMode,
-    };
+    this.state = initialState(resolutionMode);
     window.addEventListener('resize', () => this.resized());
     this.measure();
   }
@@ -241,9 +202,13 @@ export class Viewer {
     const before = this.state.hello;
     this.state.hello = hello;
     this.settings.setSchema(hello.schema);
-    if (before !== null && this.state.readyName !== '') this.restoring_ = { scene: this.state.readyName, asked: false, other: null };
+    if (before !== null && this.state.readyName !== '')
+      this.restoring_ = { scene: this.state.readyName, asked: false, other: null };
     if (before !== null && before.server !== hello.server) {
-      this.onMessage({ kind: 'notice', text: `The server is now version ${hello.server}. Reload the page to match it.` });
+      this.onMessage({
+        kind: 'notice',
+        text: `The server is now version ${hello.server}. Reload the page to match it.`,
+      });
     }
     this.emit('hello');
     this.emit('settings');
@@ -253,7 +218,8 @@ export class Viewer {
   }
 
   private scene(message: SceneMessage): void {
-    if (this.restoring_ !== null && message.name !== this.restoring_.scene && this.restores(this.restoring_, message)) return;
+    if (this.restoring_ !== null && message.name !== this.restoring_.scene && this.restores(this.restoring_, message))
+      return;
     this.state.scene = message;
     if (message.ready !== null) this.sceneReady(message.name, message.ready);
     if (message.state === 'failed') {
@@ -263,7 +229,10 @@ export class Viewer {
     this.emit('scene');
   }
 
-  /** True when `message`, of another scene than the one before the reconnect, is to wait because that one is on its way. */
+  /**
+   * True when `message`, of another scene than the one before the reconnect, is to wait because that one is on its
+   * way.
+   */
   private restores(restoring: Restoring, message: SceneMessage): boolean {
     if (this.state.hello?.scenes.some((entry) => entry.name === restoring.scene) !== true) {
       this.restoring_ = null;

@@ -16,7 +16,10 @@ import {
 import { add, cross, dot, length, scale, subtract, type Vec3 } from '../src/vector.js';
 
 function close(actual: Vec3, expected: Vec3, tolerance = 1e-9): void {
-  assert.ok(length(subtract(actual, expected)) <= tolerance, `found ${actual.join(' ')}, expected ${expected.join(' ')}`);
+  assert.ok(
+    length(subtract(actual, expected)) <= tolerance,
+    `found ${actual.join(' ')}, expected ${expected.join(' ')}`,
+  );
 }
 
 function orthonormal(camera: Camera): void {

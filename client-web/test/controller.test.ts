@@ -37,7 +37,10 @@ test('CameraController: after the last input comes one resting camera', () => {
   assert.equal(rest(), 120);
   controller.rest(136);
   controller.rest(300);
-  assert.deepEqual(sent.map((entry) => entry.moving), [true, false]);
+  assert.deepEqual(
+    sent.map((entry) => entry.moving),
+    [true, false],
+  );
   assert.deepEqual(sent[1]!.camera, sent[0]!.camera);
 });
 
@@ -45,7 +48,10 @@ test('CameraController: letting go sends what is not yet sent, as resting', () =
   const { controller, sent } = setUp();
   controller.turn(3, 0, false, 5);
   controller.end(10);
-  assert.deepEqual(sent.map((entry) => [entry.moving, entry.eventTime]), [[false, 5]]);
+  assert.deepEqual(
+    sent.map((entry) => [entry.moving, entry.eventTime]),
+    [[false, 5]],
+  );
   controller.step(16);
   controller.end(20);
   assert.equal(sent.length, 1);
@@ -111,5 +117,11 @@ test('CameraController: jump is sent at once as resting, resend repeats it', () 
   const camera: Camera = { ...DEFAULT_CAMERA, position: [1, 2, 3] };
   controller.jump(camera, 7);
   controller.resend(9);
-  assert.deepEqual(sent.map((entry) => [entry.camera, entry.moving]), [[camera, false], [camera, false]]);
+  assert.deepEqual(
+    sent.map((entry) => [entry.camera, entry.moving]),
+    [
+      [camera, false],
+      [camera, false],
+    ],
+  );
 });

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { FrameQueue, isNewer } from '../src/frame_queue.js';
-import type { Frame } from '../src/protocol.js';
+import type { Frame } from '../src/frame.js';
 
 interface FakeImage {
   readonly id: number;
@@ -17,7 +17,8 @@ function setUp() {
   const dropped: string[] = [];
   let scheduled = 0;
   const queue = new FrameQueue<FakeImage>({
-    decode: (frame) => new Promise((resolve, reject) => waiting.set(frame.frameId, { resolve, reject: () => reject(new Error('bad')) })),
+    decode: (frame) =>
+      new Promise((resolve, reject) => waiting.set(frame.frameId, { resolve, reject: () => reject(new Error('bad')) })),
     schedule: () => (scheduled += 1),
     draw: (_, frame) => drawn.push(frame.frameId),
     dropped: (frame, reason) => dropped.push(`${frame.frameId} ${reason}`),

@@ -11,10 +11,27 @@ import { fromSlider, SLIDER_STEPS, stepped, toSlider } from '../src/slider_scale
 import { backoffDelay, socketUrl, tokenOf } from '../src/socket.js';
 
 function row(name: string, type: SettingRow['type'], preset: SettingRow['default'], low = 0, high = 0): SettingRow {
-  return { name, type, default: preset, low, high, unit: '', label: name, effect: '', price: '', help: '', choices: [] };
+  return {
+    name,
+    type,
+    default: preset,
+    low,
+    high,
+    unit: '',
+    label: name,
+    effect: '',
+    price: '',
+    help: '',
+    choices: [],
+  };
 }
 
-const ROWS = [row('samples', 'int', 64, 1, 65536), row('exposure', 'float', 0, -10, 10), row('shadows', 'bool', true), row('fieldOfView', 'float', 60, 1, 179)];
+const ROWS = [
+  row('samples', 'int', 64, 1, 65536),
+  row('exposure', 'float', 0, -10, 10),
+  row('shadows', 'bool', true),
+  row('fieldOfView', 'float', 60, 1, 179),
+];
 
 function model(): SettingsModel {
   const settings = new SettingsModel();

@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { HEADER_BYTES, parseFrame, parseMessage, ProtocolError } from '../src/protocol.js';
+import { HEADER_BYTES, parseFrame, ProtocolError } from '../src/frame.js';
+import { parseMessage } from '../src/protocol.js';
 
 /** A header as docs/protocol.md lays it out, with distinct values in all fields. */
 function frameBytes(payload: readonly number[] = [0xff, 0xd8], headerBytes = HEADER_BYTES): ArrayBuffer {
@@ -32,9 +33,26 @@ function changed(offset: number, value: number): ArrayBuffer {
 test('parseFrame: reads every field', () => {
   const { payload, ...header } = parseFrame(frameBytes());
   assert.deepEqual(header, {
-    kind: 'frame', codec: 'jpeg', moving: true, final: false, path: true, quality: 80,
-    frameId: 4_000_000_001, inputId: 77, generation: 5, width: 640, height: 360, fullWidth: 1280, fullHeight: 720,
-    samples: 16, relativeError: 0.25, renderMs: 20.5, developMs: 1.5, encodeMs: 3, queueMs: 0.7, sendMs: 0.25,
+    kind: 'frame',
+    codec: 'jpeg',
+    moving: true,
+    final: false,
+    path: true,
+    quality: 80,
+    frameId: 4_000_000_001,
+    inputId: 77,
+    generation: 5,
+    width: 640,
+    height: 360,
+    fullWidth: 1280,
+    fullHeight: 720,
+    samples: 16,
+    relativeError: 0.25,
+    renderMs: 20.5,
+    developMs: 1.5,
+    encodeMs: 3,
+    queueMs: 0.7,
+    sendMs: 0.25,
     devices: ['embree', 'remote'],
   });
   assert.deepEqual([...payload], [0xff, 0xd8]);
@@ -55,14 +73,20 @@ test('parseFrame: refuses what is not a frame', () => {
     ['payload', frameBytes().slice(0, HEADER_BYTES + 1)],
   ];
   for (const [word, buffer] of bad) {
-    assert.throws(() => parseFrame(buffer), (error) => error instanceof ProtocolError && error.message.includes(word), word);
+    assert.throws(
+      () => parseFrame(buffer),
+      (error) => error instanceof ProtocolError && error.message.includes(word),
+      word,
+    );
   }
 });
 
 test('parseMessage: hello with its table; a choice\u2019s default may be a word or an index', () => {
   const row = { name: 'toneCurve', type: 'choice', label: 'Tone curve', choices: ['filmic', 'linear'] };
   for (const preset of ['linear', 1]) {
-    const hello = parseMessage(JSON.stringify({ type: 'hello', protocol: 'heliograph.v1', schema: [{ ...row, default: preset }] }));
+    const hello = parseMessage(
+      JSON.stringify({ type: 'hello', protocol: 'heliograph.v1', schema: [{ ...row, default: preset }] }),
+    );
     assert.ok(hello?.type === 'hello');
     assert.equal(hello.schema[0]?.default, 'linear');
     assert.equal(hello.maxUnacked, 2);
@@ -71,12 +95,22 @@ test('parseMessage: hello with its table; a choice\u2019s default may be a word 
 
 test('parseMessage: a ready scene needs its camera and bounds', () => {
   const camera = { position: [0, 1, 2], forward: [0, 0, -1], up: [0, 1, 0], fieldOfView: 45 };
-  const ready = { type: 'scene', name: 'cornell', state: 'ready', camera, bounds: { low: [-1, -1, -1], high: [1, 1, 1] }, radius: 2 };
+  const ready = {
+    type: 'scene',
+    name: 'cornell',
+    state: 'ready',
+    camera,
+    bounds: { low: [-1, -1, -1], high: [1, 1, 1] },
+    radius: 2,
+  };
   const message = parseMessage(JSON.stringify(ready));
   assert.ok(message?.type === 'scene' && message.ready !== null);
   assert.deepEqual(message.ready.camera, camera);
   assert.deepEqual(message.ready.warnings, []);
-  assert.throws(() => parseMessage(JSON.stringify({ ...ready, camera: { ...camera, up: [0, 1] } })), /scene\.camera\.up/);
+  assert.throws(
+    () => parseMessage(JSON.stringify({ ...ready, camera: { ...camera, up: [0, 1] } })),
+    /scene\.camera\.up/,
+  );
   assert.throws(() => parseMessage(JSON.stringify({ ...ready, state: 'gone' })), /scene\.state/);
 });
 
@@ -86,7 +120,9 @@ test('parseMessage: unknown types are skipped, broken text is refused', () => {
 });
 
 test('parseMessage: answers carry the input they answer, where there is one', () => {
-  const error = parseMessage('{"type":"error","message":"samples: 0, allowed: 1 to 65536","about":"settings","inputId":9}');
+  const error = parseMessage(
+    '{"type":"error","message":"samples: 0, allowed: 1 to 65536","about":"settings","inputId":9}',
+  );
   assert.ok(error?.type === 'error' && error.inputId === 9);
   const settings = parseMessage('{"type":"settings","values":{"samples":4,"shadows":true,"odd":{}}}');
   assert.ok(settings?.type === 'settings' && settings.inputId === null);

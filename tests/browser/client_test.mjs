@@ -1,9 +1,10 @@
-// The page in Chromium against a real server: what a visitor does, from the first picture to a server that dies and comes
-// back. HELIOGRAPH_BINARY names the server (default build/release/heliograph), HELIOGRAPH_CHROMIUM the browser. Writes
-// screenshots to out/browser.
+// The page in Chromium against a real server: what a visitor does, from the first picture to a server that dies and
+// comes back. HELIOGRAPH_BINARY names the server (default build/release/heliograph), HELIOGRAPH_CHROMIUM the browser.
+// Writes screenshots to out/browser.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
@@ -21,23 +22,6 @@ let page;
 const state = () => page.evaluate(() => window.heliograph.state);
 const screenshot = (name) => page.screenshot({ path: join(outFolder, `${name}.png`) });
 const field = (name) => page.locator(`[data-setting="${name}"]`);
-
-/** Mean and spread (0..255) of the picture on the canvas, and a coarse copy of it to compare. */
-const picture = () =>
-  page.evaluate(() => {
-    const canvas = document.querySelector('body > canvas');
-    const copy = document.createElement('canvas');
-    [copy.width, copy.height] = [64, 36];
-    const context = copy.getContext('2d');
-    context.drawImage(canvas, 0, 0, 64, 36);
-    const { data } = context.getImageData(0, 0, 64, 36);
-    const values = Array.from({ length: 64 * 36 }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 3);
-    const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
-    const spread = Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length);
-    return { mean, spread, values, width: canvas.width, height: canvas.height };
-  });
-
-const difference = (a, b) => a.values.reduce((sum, value, i) => sum + Math.abs(value - b.values[i]), 0) / a.values.length;
 
 /** Waits until the picture shows the newest input. */
 const settled = (ms = 30_000) =>
@@ -77,58 +61,25 @@ async function setNumber(name, value) {
   await input.press('Enter');
 }
 
-/** Text and box of every visible control that has no name or lies outside the window. */
-const badControls = () =>
-  page.evaluate(() => {
-    const bad = [];
-    for (const control of document.querySelectorAll('button, input, select, summary, canvas[tabindex]')) {
-      const box = control.getBoundingClientRect();
-      if (box.width === 0 || getComputedStyle(control).visibility === 'hidden') continue;
-      const name = control.getAttribute('aria-label') ?? control.labels?.[0]?.textContent ?? control.textContent ?? '';
-      if (name.trim() === '') bad.push(`no name: ${control.outerHTML.slice(0, 120)}`);
-      if (box.left < -1 || box.right > innerWidth + 1) bad.push(`outside: ${name} ${box.left} to ${box.right}`);
-    }
-    return bad;
-  });
-
-/** Pairs of bars and panels that cover each other. */
-const overlaps = () =>
-  page.evaluate(() => {
-    const boxes = [...document.querySelectorAll('#page > .bar, #page > .panel')]
-      .map((element) => ({ name: element.id || element.className, box: element.getBoundingClientRect() }))
-      .filter(({ box }) => box.width > 0);
-    const found = [];
-    for (const [i, a] of boxes.entries()) {
-      for (const b of boxes.slice(i + 1)) {
-        const across = Math.min(a.box.right, b.box.right) - Math.max(a.box.left, b.box.left);
-        const down = Math.min(a.box.bottom, b.box.bottom) - Math.max(a.box.top, b.box.top);
-        if (across > 0 && down > 0) found.push(`${a.name} and ${b.name}`);
-      }
-    }
-    return found;
-  });
-
 function noProblems() {
   expect(browser.problems.length === 0, browser.problems.join('\n'));
-}
-
-/** Size that a PNG file states; throws when it is none. */
-function pngSize(bytes) {
-  expect(bytes.subarray(0, 8).equals(Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a])), 'no PNG signature');
-  expect(bytes.subarray(12, 16).toString('latin1') === 'IHDR', 'no IHDR chunk');
-  return { width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20) };
 }
 
 const pageLoads = () =>
   checks.check('the page loads and shows a picture', async () => {
     await open(DESKTOP);
     await sceneShown(SCENE);
-    const shown = await picture();
+    const shown = await picture(page);
     expect(shown.spread > 5, `the canvas is uniform: mean ${shown.mean}, spread ${shown.spread}`);
-    const { lastFrame } = await state();
-    expect(shown.width === lastFrame.width && shown.height === lastFrame.height, `canvas ${shown.width} x ${shown.height}, frame ${lastFrame.width} x ${lastFrame.height}`);
+    await until("a canvas of the frame's size", 10_000, async () => {
+      const [{ width, height }, { lastFrame }] = [await picture(page), await state()];
+      return width === lastFrame.width && height === lastFrame.height;
+    });
     const box = await page.locator('body > canvas').boundingBox();
-    expect(box.width === DESKTOP.width && box.height === DESKTOP.height, `the canvas does not fill the window: ${JSON.stringify(box)}`);
+    expect(
+      box.width === DESKTOP.width && box.height === DESKTOP.height,
+      `the canvas does not fill the window: ${JSON.stringify(box)}`,
+    );
   });
 
 async function pictureChecks() {
@@ -136,13 +87,13 @@ async function pictureChecks() {
     await until('more than one sample', 30_000, async () => (await state()).lastFrame.samples > 1);
   });
   await checks.check('dragging changes the picture, and the last input comes back', async () => {
-    const before = await picture();
+    const before = await picture(page);
     const { lastInputId } = await state();
     await drag([720, 400], [900, 440]);
     await settled();
     const after = await state();
     expect(after.lastInputId > lastInputId, 'no input was sent');
-    const changed = difference(before, await picture());
+    const changed = difference(before, await picture(page));
     expect(changed > 2, `mean difference ${changed}`);
     expect(after.motionToPhotonMs.median > 0, 'motion to photon was not measured');
   });
@@ -166,11 +117,11 @@ async function pictureChecks() {
 
 async function settingChecks() {
   await checks.check('a setting changes in the panel, the server confirms it, the picture follows', async () => {
-    const before = await picture();
+    const before = await picture(page);
     await setNumber('exposure', 1.5);
     await until('the echo', 10_000, async () => (await state()).settings.exposure === 1.5);
     await settled();
-    const after = await picture();
+    const after = await picture(page);
     expect(after.mean > before.mean + 5, `mean ${before.mean} before, ${after.mean} after +1.5 stops`);
   });
   await checks.check('a refused value shows the server\u2019s words and falls back', async () => {
@@ -210,7 +161,10 @@ async function pageChecks() {
     const file = await download;
     const size = pngSize(await readFile(await file.path()));
     const { width, height } = DESKTOP;
-    expect(size.width === width && size.height === height, `${size.width} x ${size.height}, allowed: ${width} x ${height}`);
+    expect(
+      size.width === width && size.height === height,
+      `${size.width} x ${size.height}, allowed: ${width} x ${height}`,
+    );
     expect(file.suggestedFilename().endsWith('.png'), file.suggestedFilename());
   });
   await checks.check('the menu saves an EXR', async () => {
@@ -239,22 +193,27 @@ async function pageChecks() {
     const reached = new Set();
     for (let i = 0; i < 160; i += 1) {
       await page.keyboard.press('Tab');
-      reached.add(await page.evaluate(() => {
-        const element = document.activeElement;
-        if (element === null || element === document.body) return '';
-        const outline = getComputedStyle(element).outlineStyle;
-        const name = element.getAttribute('aria-label') ?? element.labels?.[0]?.textContent ?? element.textContent;
-        return `${outline === 'none' ? 'INVISIBLE ' : ''}${name?.trim()}`;
-      }));
+      reached.add(
+        await page.evaluate(() => {
+          const element = document.activeElement;
+          if (element === null || element === document.body) return '';
+          const outline = getComputedStyle(element).outlineStyle;
+          const name = element.getAttribute('aria-label') ?? element.labels?.[0]?.textContent ?? element.textContent;
+          return `${outline === 'none' ? 'INVISIBLE ' : ''}${name?.trim()}`;
+        }),
+      );
     }
     const invisible = [...reached].filter((name) => name.startsWith('INVISIBLE'));
     expect(invisible.length === 0, invisible.join(', '));
     for (const name of ['Viewpoint', 'About the scene', 'Exposure', 'Shadows', 'Save', 'Help', 'Reset to defaults']) {
-      expect([...reached].some((entry) => entry.includes(name)), `${name} is not reached; reached: ${[...reached].join(' | ')}`);
+      expect(
+        [...reached].some((entry) => entry.includes(name)),
+        `${name} is not reached; reached: ${[...reached].join(' | ')}`,
+      );
     }
   });
   await checks.check('controls are named and nothing overlaps (desktop)', async () => {
-    const bad = [...(await badControls()), ...(await overlaps())];
+    const bad = [...(await badControls(page)), ...(await overlaps(page))];
     expect(bad.length === 0, bad.join('\n'));
   });
   await checks.check('folded panels stay folded', async () => {
@@ -268,14 +227,18 @@ async function pageChecks() {
 
 async function sceneChecks() {
   await checks.check('another scene opens without a new connection', async () => {
-    const before = await picture();
+    const before = await picture(page);
     await page.locator('.picker').click();
     await page.getByRole('menuitemradio', { name: new RegExp(`^${OTHER_SCENE}`, 'i') }).click();
     await sceneShown(OTHER_SCENE);
-    const changed = difference(before, await picture());
+    const changed = difference(before, await picture(page));
     expect(changed > 2, `mean difference ${changed}`);
     expect((await state()).connected, 'not connected');
-    await until('some samples', 30_000, async () => (await state()).lastFrame.samples >= 8 || (await state()).lastFrame.final);
+    await until(
+      'some samples',
+      30_000,
+      async () => (await state()).lastFrame.samples >= 8 || (await state()).lastFrame.final,
+    );
     await pause(600);
     await screenshot('desktop');
   });
@@ -291,8 +254,8 @@ async function sceneChecks() {
   await checks.check('the benchmark path plays, moves the picture and stops', async () => {
     await page.keyboard.press('F2');
     await until('the path', 10_000, async () => (await state()).pathPlaying);
-    const before = await picture();
-    await until('another picture', 30_000, async () => difference(before, await picture()) > 1);
+    const before = await picture(page);
+    await until('another picture', 30_000, async () => difference(before, await picture(page)) > 1);
     await page.keyboard.press('F2');
     await until('the end of the path', 10_000, async () => !(await state()).pathPlaying);
     await settled();
@@ -300,26 +263,32 @@ async function sceneChecks() {
 }
 
 async function reconnectChecks() {
-  await checks.check('a server that dies is said so, and the page comes back with scene, camera and settings', async () => {
-    await setNumber('exposure', 0.5);
-    await until('the echo', 10_000, async () => (await state()).settings.exposure === 0.5);
-    await drag([720, 400], [640, 380]);
-    await settled();
-    const before = await state();
-    noProblems();
-    browser.expectDisconnect = true;
-    await server.kill();
-    await page.locator('.banner').getByText(/Connection lost/).waitFor({ timeout: 5000 });
-    await screenshot('disconnected');
-    await server.start();
-    await until('the connection', 20_000, async () => (await state()).connected);
-    await sceneShown(OTHER_SCENE);
-    browser.expectDisconnect = false;
-    const after = await state();
-    expect(after.settings.exposure === 0.5, `exposure ${after.settings.exposure}`);
-    expect(JSON.stringify(after.camera) === JSON.stringify(before.camera), 'the camera was not restored');
-    expect(await page.locator('.banner').isHidden(), 'the banner stays');
-  });
+  await checks.check(
+    'a server that dies is said so, and the page comes back with scene, camera and settings',
+    async () => {
+      await setNumber('exposure', 0.5);
+      await until('the echo', 10_000, async () => (await state()).settings.exposure === 0.5);
+      await drag([720, 400], [640, 380]);
+      await settled();
+      const before = await state();
+      noProblems();
+      browser.expectDisconnect = true;
+      await server.kill();
+      await page
+        .locator('.banner')
+        .getByText(/Connection lost/)
+        .waitFor({ timeout: 5000 });
+      await screenshot('disconnected');
+      await server.start();
+      await until('the connection', 20_000, async () => (await state()).connected);
+      await sceneShown(OTHER_SCENE);
+      browser.expectDisconnect = false;
+      const after = await state();
+      expect(after.settings.exposure === 0.5, `exposure ${after.settings.exposure}`);
+      expect(JSON.stringify(after.camera) === JSON.stringify(before.camera), 'the camera was not restored');
+      expect(await page.locator('.banner').isHidden(), 'the banner stays');
+    },
+  );
   await checks.check('nothing was wrong in the browser\u2019s console (desktop)', noProblems);
 }
 
@@ -330,20 +299,36 @@ async function phoneChecks(name, viewport) {
     const before = await state();
     await page.locator('body > canvas').evaluate((canvas) => {
       const fire = (type, x) =>
-        canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1, pointerType: 'touch', clientX: x, clientY: 300, isPrimary: true, bubbles: true }));
+        canvas.dispatchEvent(
+          new PointerEvent(type, {
+            pointerId: 1,
+            pointerType: 'touch',
+            clientX: x,
+            clientY: 300,
+            isPrimary: true,
+            bubbles: true,
+          }),
+        );
       canvas.setPointerCapture = () => undefined; // synthetic pointers cannot be captured
       fire('pointerdown', 100);
       for (let x = 100; x <= 180; x += 10) fire('pointermove', x);
       fire('pointerup', 180);
     });
     await settled();
-    expect(JSON.stringify((await state()).camera.forward) !== JSON.stringify(before.camera.forward), 'the view did not turn');
-    await page.locator('.toast .ghost').first().click({ timeout: 500 }).catch(() => undefined);
+    expect(
+      JSON.stringify((await state()).camera.forward) !== JSON.stringify(before.camera.forward),
+      'the view did not turn',
+    );
+    await page
+      .locator('.toast .ghost')
+      .first()
+      .click({ timeout: 500 })
+      .catch(() => undefined);
     await screenshot(name);
     for (const label of ['Stats', 'Settings']) {
       await page.locator('.dock').getByRole('button', { name: label }).tap();
       await pause(400);
-      const bad = [...(await badControls()), ...(await overlaps())];
+      const bad = [...(await badControls(page)), ...(await overlaps(page))];
       expect(bad.length === 0, bad.join('\n'));
       await screenshot(`${name}-${label.toLowerCase()}`);
     }

@@ -46,9 +46,10 @@ function radiance(list, origin, direction, depth) {
   const color = found.ball?.color ?? (odd ? [0.62, 0.6, 0.56] : [0.3, 0.31, 0.33]);
   const lit = hit(list, madd(point, normal, 2e-3), SUN) === null ? Math.max(0, dot(normal, SUN)) : 0;
   const mirror = depth > 0 ? (found.ball?.mirror ?? 0.08) : 0;
-  const reflected = mirror > 0
-    ? radiance(list, madd(point, normal, 2e-3), madd(direction, normal, -2 * dot(direction, normal)), depth - 1)
-    : [0, 0, 0];
+  const reflected =
+    mirror > 0
+      ? radiance(list, madd(point, normal, 2e-3), madd(direction, normal, -2 * dot(direction, normal)), depth - 1)
+      : [0, 0, 0];
   return color.map((c, i) => c * (0.28 + 0.85 * lit) * (1 - mirror) + reflected[i] * mirror);
 }
 
@@ -84,7 +85,12 @@ function png(width, height, pixels) {
     pixels.copy(rows, y * (width * 3 + 1) + 1, y * width * 3, (y + 1) * width * 3);
   }
   const signature = Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a]);
-  return Buffer.concat([signature, chunk('IHDR', header), chunk('IDAT', deflateSync(rows, { level: 1 })), chunk('IEND', Buffer.alloc(0))]);
+  return Buffer.concat([
+    signature,
+    chunk('IHDR', header),
+    chunk('IDAT', deflateSync(rows, { level: 1 })),
+    chunk('IEND', Buffer.alloc(0)),
+  ]);
 }
 
 /** PNG of `scene` seen by `camera`, brighter by `exposure` stops. */
@@ -100,7 +106,8 @@ export function paint(scene, camera, width, height, exposure) {
       const down = (1 - (2 * (y + 0.5)) / height) * slope;
       const direction = unit(madd(madd(camera.forward, right, across), camera.up, down));
       const color = radiance(list, camera.position, direction, 2);
-      for (let i = 0; i < 3; i += 1) pixels[(y * width + x) * 3 + i] = Math.min(255, 255 * (gain * color[i]) ** (1 / 2.2));
+      for (let i = 0; i < 3; i += 1)
+        pixels[(y * width + x) * 3 + i] = Math.min(255, 255 * (gain * color[i]) ** (1 / 2.2));
     }
   }
   return png(width, height, pixels);

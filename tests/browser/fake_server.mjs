@@ -27,8 +27,22 @@ function schema() {
     const [label, effect, price, help] = parts.slice(-4);
     const common = { name, label, effect, price, help, unit: '' };
     if (kind === 'BOOL') rows.push({ ...common, type: 'bool', default: preset === 'true' });
-    else if (kind === 'CHOICE') rows.push({ ...common, type: 'choice', default: parts[2].split('|')[Number(preset)], choices: parts[2].split('|') });
-    else rows.push({ ...common, type: kind.toLowerCase(), default: number(preset), low: number(parts[2]), high: number(parts[3]), unit: parts[4] });
+    else if (kind === 'CHOICE')
+      rows.push({
+        ...common,
+        type: 'choice',
+        default: parts[2].split('|')[Number(preset)],
+        choices: parts[2].split('|'),
+      });
+    else
+      rows.push({
+        ...common,
+        type: kind.toLowerCase(),
+        default: number(preset),
+        low: number(parts[2]),
+        high: number(parts[3]),
+        unit: parts[4],
+      });
   }
   return rows;
 }
@@ -39,7 +53,12 @@ const SCENES = [
   { name: 'courtyard', description: 'Arches and colonnades on two floors around a sunlit court.' },
   { name: 'broken', description: 'Fails to open, for tests.' },
 ];
-const START = { position: [0.6, 2.2, 7.5], forward: [-0.0755, -0.151, -0.9856], up: [-0.0115, 0.9885, -0.1506], fieldOfView: 50 };
+const START = {
+  position: [0.6, 2.2, 7.5],
+  forward: [-0.0755, -0.151, -0.9856],
+  up: [-0.0115, 0.9885, -0.1506],
+  fieldOfView: 50,
+};
 
 class FakeViewer {
   settings = Object.fromEntries(SCHEMA.map((row) => [row.name, row.default]));
@@ -58,7 +77,15 @@ class FakeViewer {
   constructor(socket) {
     this.socket = socket;
     socket.on('message', (data, binary) => (binary ? socket.close(1003) : this.receive(JSON.parse(data.toString()))));
-    this.say({ type: 'hello', protocol: 'heliograph.v1', server: '0.1.0-fake', viewer: 1, schema: SCHEMA, scenes: SCENES, maxUnacked: 2 });
+    this.say({
+      type: 'hello',
+      protocol: 'heliograph.v1',
+      server: '0.1.0-fake',
+      viewer: 1,
+      schema: SCHEMA,
+      scenes: SCENES,
+      maxUnacked: 2,
+    });
     this.say({ type: 'settings', values: this.settings });
     this.open(firstScene);
     this.timers = [setInterval(() => this.frame(), 30), setInterval(() => this.stats(), 500)];
@@ -80,14 +107,18 @@ class FakeViewer {
   }
 
   open(name) {
-    if (!SCENES.some((scene) => scene.name === name)) return this.refuse(`scene.name: "${name}", allowed: ${SCENES.map((s) => s.name).join(', ')}`, 'scene');
+    if (!SCENES.some((scene) => scene.name === name))
+      return this.refuse(`scene.name: "${name}", allowed: ${SCENES.map((s) => s.name).join(', ')}`, 'scene');
     const steps = ['reading', 'textures', 'building the acceleration structure'];
-    steps.forEach((what, i) => setTimeout(() => this.say({ type: 'scene', name, state: 'loading', what, share: (i + 1) / 4 }), 120 * i));
+    steps.forEach((what, i) =>
+      setTimeout(() => this.say({ type: 'scene', name, state: 'loading', what, share: (i + 1) / 4 }), 120 * i),
+    );
     setTimeout(() => this.opened(name), 400);
   }
 
   opened(name) {
-    if (name === 'broken') return this.say({ type: 'scene', name, state: 'failed', what: 'meshes[0]: 3 indices, found 2' });
+    if (name === 'broken')
+      return this.say({ type: 'scene', name, state: 'failed', what: 'meshes[0]: 3 indices, found 2' });
     this.scene = name;
     this.camera = START;
     this.changed();
@@ -97,25 +128,64 @@ class FakeViewer {
       because: effect === 'refractions' ? 'no material transmits light' : '3 materials, 1,204 triangles',
     }));
     this.say({
-      type: 'scene', name, state: 'ready', camera: START,
-      cameras: [{ name: 'start', ...START }, { name: 'from above', ...START, position: [0, 6, 9], forward: [0, -0.5547, -0.83205], up: [0, 0.83205, -0.5547] }],
-      paths: ['tour'], bounds: { low: [-3, 0, -3], high: [3, 3, 3] }, radius: 4.5,
-      triangles: 66454, instances: 12, lights: 1, effects,
-      warnings: name === 'courtyard' ? ['No light in the file: a headlight was added.', 'Extension KHR_materials_sheen is not known and was left out.'] : [],
+      type: 'scene',
+      name,
+      state: 'ready',
+      camera: START,
+      cameras: [
+        { name: 'start', ...START },
+        {
+          name: 'from above',
+          ...START,
+          position: [0, 6, 9],
+          forward: [0, -0.5547, -0.83205],
+          up: [0, 0.83205, -0.5547],
+        },
+      ],
+      paths: ['tour'],
+      bounds: { low: [-3, 0, -3], high: [3, 3, 3] },
+      radius: 4.5,
+      triangles: 66454,
+      instances: 12,
+      lights: 1,
+      effects,
+      warnings:
+        name === 'courtyard'
+          ? [
+              'No light in the file: a headlight was added.',
+              'Extension KHR_materials_sheen is not known and was left out.',
+            ]
+          : [],
     });
   }
 
   receive(message) {
     switch (message.type) {
-      case 'ack': this.unacked.delete(message.frameId); return;
-      case 'ping': return this.say({ type: 'pong', time: message.time });
-      case 'scene': return this.open(message.name);
-      case 'resolution': this.size = { width: message.width, height: message.height }; return this.changed(message.inputId);
-      case 'camera': if (this.path === null) { this.camera = message; this.moving = message.moving; this.changed(message.inputId); } return;
-      case 'settings': return this.set(message);
-      case 'picture': return this.picture(message.format);
-      case 'path': return this.play(message.playing);
-      default: this.refuse(`type: "${message.type}", allowed: camera, settings, ...`, message.type);
+      case 'ack':
+        this.unacked.delete(message.frameId);
+        return;
+      case 'ping':
+        return this.say({ type: 'pong', time: message.time });
+      case 'scene':
+        return this.open(message.name);
+      case 'resolution':
+        this.size = { width: message.width, height: message.height };
+        return this.changed(message.inputId);
+      case 'camera':
+        if (this.path === null) {
+          this.camera = message;
+          this.moving = message.moving;
+          this.changed(message.inputId);
+        }
+        return;
+      case 'settings':
+        return this.set(message);
+      case 'picture':
+        return this.picture(message.format);
+      case 'path':
+        return this.play(message.playing);
+      default:
+        this.refuse(`type: "${message.type}", allowed: camera, settings, ...`, message.type);
     }
   }
 
@@ -124,7 +194,8 @@ class FakeViewer {
       const row = SCHEMA.find((entry) => entry.name === name);
       if (row === undefined) return this.refuse(`${name}: no such setting`, 'settings', inputId);
       const number = row.type === 'int' || row.type === 'float';
-      if (number && !(value >= row.low && value <= row.high)) return this.refuse(`${name}: ${value}, allowed: ${row.low} to ${row.high}`, 'settings', inputId);
+      if (number && !(value >= row.low && value <= row.high))
+        return this.refuse(`${name}: ${value}, allowed: ${row.low} to ${row.high}`, 'settings', inputId);
     }
     Object.assign(this.settings, values);
     this.changed(inputId);
@@ -140,20 +211,31 @@ class FakeViewer {
   pathEnded() {
     const { frames } = this.path;
     this.path = null;
-    this.say({ type: 'path', playing: false, result: { frames, msMean: 31.2, msMedian: 30.1, msP95: 44.8, fpsMean: 32, fpsMin: 19.4 } });
+    this.say({
+      type: 'path',
+      playing: false,
+      result: { frames, msMean: 31.2, msMedian: 30.1, msP95: 44.8, fpsMean: 32, fpsMin: 19.4 },
+    });
   }
 
   picture(format) {
     const { width, height } = this.size;
-    const payload = format === 'png' ? paint(this.scene, this.camera, width, height, this.settings.exposure) : Buffer.from('v/1\x01');
+    const payload =
+      format === 'png' ? paint(this.scene, this.camera, width, height, this.settings.exposure) : Buffer.from('v/1\x01');
     this.socket.send(this.header(2, { png: 1, exr: 2, jpg: 0 }[format], width, height, payload));
   }
 
   frame() {
-    if (this.size === null || this.scene === null || this.unacked.size >= 2 || this.samples >= this.settings.samples) return;
+    if (this.size === null || this.scene === null || this.unacked.size >= 2 || this.samples >= this.settings.samples)
+      return;
     if (this.path !== null) {
       const angle = (Date.now() - this.path.since) / 1500;
-      this.camera = { ...START, position: [7 * Math.sin(angle), 2, 7 * Math.cos(angle)], forward: [-Math.sin(angle), -0.1, -Math.cos(angle)], up: [0, 1, 0] };
+      this.camera = {
+        ...START,
+        position: [7 * Math.sin(angle), 2, 7 * Math.cos(angle)],
+        forward: [-Math.sin(angle), -0.1, -Math.cos(angle)],
+        up: [0, 1, 0],
+      };
       this.path.frames += 1;
       this.samples = 0;
       if (angle > 4) this.pathEnded();
@@ -186,10 +268,27 @@ class FakeViewer {
 
   stats() {
     this.say({
-      type: 'stats', device: 'embree', framesPerSecond: 33.2, samples: this.samples, targetSamples: this.settings.samples, relativeError: 0.05,
-      rays: { primary: 1296000, shadow: 2310400, ambient_occlusion: 0, reflection: 402100, refraction: 12300, total: 4020800 },
-      mraysPerSecond: 38.7, ms: { render: 21.4, develop: 1.9, encode: 3.1, queue: 0.8, send: 0.4 }, overheadShare: 0.12,
-      tiles: { embree: 1305 }, viewers: 1, residentBytes: 312_000_000, nonfiniteSamples: 0,
+      type: 'stats',
+      device: 'embree',
+      framesPerSecond: 33.2,
+      samples: this.samples,
+      targetSamples: this.settings.samples,
+      relativeError: 0.05,
+      rays: {
+        primary: 1296000,
+        shadow: 2310400,
+        ambient_occlusion: 0,
+        reflection: 402100,
+        refraction: 12300,
+        total: 4020800,
+      },
+      mraysPerSecond: 38.7,
+      ms: { render: 21.4, develop: 1.9, encode: 3.1, queue: 0.8, send: 0.4 },
+      overheadShare: 0.12,
+      tiles: { embree: 1305 },
+      viewers: 1,
+      residentBytes: 312_000_000,
+      nonfiniteSamples: 0,
     });
   }
 }
@@ -202,12 +301,19 @@ const http = createServer((request, response) => {
   if (path === '/healthz') return void response.end('ok\n');
   try {
     const body = readFileSync(join(client, 'dist', path.replaceAll('..', '')));
-    response.writeHead(200, { 'content-type': TYPES[extname(path)] ?? 'application/octet-stream', 'content-security-policy': POLICY });
+    response.writeHead(200, {
+      'content-type': TYPES[extname(path)] ?? 'application/octet-stream',
+      'content-security-policy': POLICY,
+    });
     response.end(body);
   } catch {
     response.writeHead(404).end();
   }
 });
-const sockets = new WebSocketServer({ server: http, path: '/ws', handleProtocols: (offered) => (offered.has('heliograph.v1') ? 'heliograph.v1' : false) });
+const sockets = new WebSocketServer({
+  server: http,
+  path: '/ws',
+  handleProtocols: (offered) => (offered.has('heliograph.v1') ? 'heliograph.v1' : false),
+});
 sockets.on('connection', (socket) => new FakeViewer(socket));
 http.listen(Number(port), host, () => console.log(`fake server on http://${host}:${port}`));

@@ -16,8 +16,13 @@ export const outFolder = join(root, 'out/browser');
 mkdirSync(outFolder, { recursive: true });
 
 const BROWSER_ARGUMENTS = [
-  '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-  '--disable-component-update', '--disable-sync',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
 ];
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
@@ -102,7 +107,8 @@ export class Browser {
     });
     this.page = this.context.pages()[0] ?? (await this.context.newPage());
     this.page.on('console', (message) => {
-      if (message.type() === 'error' || message.type() === 'warning') this.problem(`console ${message.type()}: ${message.text()}`);
+      if (message.type() === 'error' || message.type() === 'warning')
+        this.problem(`console ${message.type()}: ${message.text()}`);
     });
     this.page.on('pageerror', (error) => this.problem(`exception: ${error.message}`));
     this.page.on('requestfailed', (request) => this.problem(`request failed: ${request.url()}`));
@@ -134,7 +140,11 @@ export class Checks {
       console.log(`ok      ${name} (${Date.now() - begin} ms)`);
     } catch (error) {
       this.failed += 1;
-      console.log(`FAILED  ${name}: ${String(error.message ?? error).split('\n').join('\n        ')}`);
+      console.log(
+        `FAILED  ${name}: ${String(error.message ?? error)
+          .split('\n')
+          .join('\n        ')}`,
+      );
       return false;
     }
     return true;

@@ -1,0 +1,87 @@
+// The binary messages of docs/protocol.md: a 64-byte header, little endian, and a picture.
+
+export const HEADER_BYTES = 64;
+
+/** Something from the server that does not follow the protocol. */
+export class ProtocolError extends Error {}
+
+export type Codec = 'jpeg' | 'png' | 'exr';
+const CODECS: readonly Codec[] = ['jpeg', 'png', 'exr'];
+export const MIME_TYPES: Readonly<Record<Codec, string>> = {
+  jpeg: 'image/jpeg',
+  png: 'image/png',
+  exr: 'image/x-exr',
+};
+const DEVICE_BITS: readonly string[] = ['embree', 'vulkan', 'remote'];
+
+export interface Frame {
+  readonly kind: 'frame' | 'picture';
+  readonly codec: Codec;
+  readonly moving: boolean;
+  readonly final: boolean; // the sample target is reached
+  readonly path: boolean; // a frame of the benchmark path
+  readonly quality: number; // jpeg
+  readonly frameId: number;
+  readonly inputId: number; // newest input that this picture shows
+  readonly generation: number;
+  readonly width: number;
+  readonly height: number;
+  readonly fullWidth: number; // display size asked for
+  readonly fullHeight: number;
+  readonly samples: number; // per pixel
+  readonly relativeError: number; // 1 = unknown
+  readonly renderMs: number;
+  readonly developMs: number;
+  readonly encodeMs: number;
+  readonly queueMs: number; // input to render start
+  readonly sendMs: number; // encoded to written
+  readonly devices: readonly string[];
+  readonly payload: Uint8Array<ArrayBuffer>;
+}
+
+/** Reads a binary message. Throws ProtocolError naming field, found value and what is allowed. */
+export function parseFrame(buffer: ArrayBuffer): Frame {
+  if (buffer.byteLength < HEADER_BYTES) {
+    throw new ProtocolError(`frame: ${buffer.byteLength} bytes, allowed: at least ${HEADER_BYTES}`);
+  }
+  const view = new DataView(buffer);
+  if (view.getUint8(0) !== 0x48 || view.getUint8(1) !== 0x47)
+    throw new ProtocolError('frame: does not start with "HG"');
+  const kind = view.getUint8(2);
+  if (kind !== 1 && kind !== 2) throw new ProtocolError(`frame kind: ${kind}, allowed: 1, 2`);
+  const codec = CODECS[view.getUint8(3)];
+  if (codec === undefined)
+    throw new ProtocolError(`frame codec: ${view.getUint8(3)}, allowed: 0 to ${CODECS.length - 1}`);
+  const headerBytes = view.getUint16(4, true);
+  const payloadBytes = view.getUint32(56, true);
+  if (headerBytes < HEADER_BYTES || headerBytes + payloadBytes !== buffer.byteLength) {
+    throw new ProtocolError(`frame: header ${headerBytes} + payload ${payloadBytes} bytes, found ${buffer.byteLength}`);
+  }
+  const flags = view.getUint8(6);
+  const milliseconds = (offset: number): number => view.getUint32(offset, true) / 1000;
+  const deviceBits = view.getUint32(60, true);
+  return {
+    kind: kind === 1 ? 'frame' : 'picture',
+    codec,
+    moving: (flags & 1) !== 0,
+    final: (flags & 2) !== 0,
+    path: (flags & 4) !== 0,
+    quality: view.getUint8(7),
+    frameId: view.getUint32(8, true),
+    inputId: view.getUint32(12, true),
+    generation: view.getUint32(16, true),
+    width: view.getUint16(20, true),
+    height: view.getUint16(22, true),
+    fullWidth: view.getUint16(24, true),
+    fullHeight: view.getUint16(26, true),
+    samples: view.getUint32(28, true),
+    relativeError: view.getFloat32(32, true),
+    renderMs: milliseconds(36),
+    developMs: milliseconds(40),
+    encodeMs: milliseconds(44),
+    queueMs: milliseconds(48),
+    sendMs: milliseconds(52),
+    devices: DEVICE_BITS.filter((_, bit) => (deviceBits & (1 << bit)) !== 0),
+    payload: new Uint8Array(buffer, headerBytes, payloadBytes),
+  };
+}

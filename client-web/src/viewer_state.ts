@@ -1,0 +1,57 @@
+// What the panels read of a viewer's session, and by which names they hear of changes.
+
+import type { Frame } from './frame.js';
+import type { Hello, PathResult, SceneMessage, SceneReady, Stats } from './protocol.js';
+import type { PictureSize, ResolutionMode } from './resolution.js';
+import type { ConnectionState } from './socket.js';
+
+export type Topic =
+  | 'connection'
+  | 'hello'
+  | 'scene'
+  | 'settings'
+  | 'stats'
+  | 'path'
+  | 'frame'
+  | 'camera'
+  | 'resolution';
+
+export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
+
+export interface ViewerState {
+  connection: ConnectionState;
+  hello: Hello | null;
+  scene: SceneMessage | null; // the newest word on it
+  ready: SceneReady | null; // of the scene that is shown
+  readyName: string;
+  stats: Stats | null;
+  pathPlaying: boolean;
+  pathResult: PathResult | null;
+  lastFrame: Frame | null; // the newest that was presented
+  framesPresented: number;
+  framesDropped: number;
+  lastInputId: number;
+  picturesAwaited: number;
+  resolution: PictureSize;
+  resolutionMode: ResolutionMode;
+}
+
+export function initialState(resolutionMode: ResolutionMode): ViewerState {
+  return {
+    connection: { name: 'connecting' },
+    hello: null,
+    scene: null,
+    ready: null,
+    readyName: '',
+    stats: null,
+    pathPlaying: false,
+    pathResult: null,
+    lastFrame: null,
+    framesPresented: 0,
+    framesDropped: 0,
+    lastInputId: 0,
+    picturesAwaited: 0,
+    resolution: { width: 0, height: 0 },
+    resolutionMode,
+  };
+}

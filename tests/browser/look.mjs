@@ -1,0 +1,63 @@
+// What a person would see of the page, as figures.
+
+import { expect } from './page.mjs';
+
+/** Mean and spread (0..255) of the picture on the canvas, and a coarse copy of it to compare. */
+export const picture = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector('body > canvas');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [64, 36];
+    const context = copy.getContext('2d');
+    context.drawImage(canvas, 0, 0, 64, 36);
+    const { data } = context.getImageData(0, 0, 64, 36);
+    const values = Array.from({ length: 64 * 36 }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 3);
+    const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
+    const spread = Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / values.length);
+    return { mean, spread, values, width: canvas.width, height: canvas.height };
+  });
+
+/** Mean difference of two pictures, 0..255. */
+export const difference = (a, b) =>
+  a.values.reduce((sum, value, i) => sum + Math.abs(value - b.values[i]), 0) / a.values.length;
+
+/** Text and box of every visible control that has no name or lies outside the window. */
+export const badControls = (page) =>
+  page.evaluate(() => {
+    const bad = [];
+    for (const control of document.querySelectorAll('button, input, select, summary, canvas[tabindex]')) {
+      const box = control.getBoundingClientRect();
+      if (box.width === 0 || getComputedStyle(control).visibility === 'hidden') continue;
+      const name = control.getAttribute('aria-label') ?? control.labels?.[0]?.textContent ?? control.textContent ?? '';
+      if (name.trim() === '') bad.push(`no name: ${control.outerHTML.slice(0, 120)}`);
+      if (box.left < -1 || box.right > innerWidth + 1) bad.push(`outside: ${name} ${box.left} to ${box.right}`);
+    }
+    return bad;
+  });
+
+/** Pairs of bars and panels that cover each other. */
+export const overlaps = (page) =>
+  page.evaluate(() => {
+    const boxes = [...document.querySelectorAll('#page > .bar, #page > .panel')]
+      .map((element) => ({ name: element.id || element.className, box: element.getBoundingClientRect() }))
+      .filter(({ box }) => box.width > 0);
+    const found = [];
+    for (const [i, a] of boxes.entries()) {
+      for (const b of boxes.slice(i + 1)) {
+        const across = Math.min(a.box.right, b.box.right) - Math.max(a.box.left, b.box.left);
+        const down = Math.min(a.box.bottom, b.box.bottom) - Math.max(a.box.top, b.box.top);
+        if (across > 0 && down > 0) found.push(`${a.name} and ${b.name}`);
+      }
+    }
+    return found;
+  });
+
+/** Size that a PNG file states; throws when it is none. */
+export function pngSize(bytes) {
+  expect(
+    bytes.subarray(0, 8).equals(Buffer.from([0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a])),
+    'no PNG signature',
+  );
+  expect(bytes.subarray(12, 16).toString('latin1') === 'IHDR', 'no IHDR chunk');
+  return { width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20) };
+}
