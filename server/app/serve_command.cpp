@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto SHUTDOWN_LIMIT = 900ms;
+constexpr auto SHUTDOWN_LIMIT = 700ms;
 
 struct ServeOptions {
     std::string scene = "courtyard";

@@ -31,7 +31,7 @@ public:
         bool last = true;
     };
     std::optional<Piece> nextPiece(std::chrono::steady_clock::time_point now);
-    /// The piece was handed to the system, which took `seconds`. Tells the peer of a picture that has left.
+    /// The piece was handed to the system, which took `seconds` of the processor. Tells the peer of a picture that has left.
     void pieceWritten(double seconds);
     bool hasOutput() const;
     /// Set when all text is out and the connection is to be closed.

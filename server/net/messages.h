@@ -20,7 +20,7 @@ struct ViewerStats {
     RayCounts rays;  // of the last pass
     double mraysPerSecond = 0.0;
     struct Milliseconds { double render = 0, develop = 0, encode = 0, queue = 0, send = 0; } ms;
-    double overheadShare = 0.0;               // everything but tracing, 0..1
+    double overheadShare = 0.0;               // of the processor time: develop, encode, send against tracing; 0..1
     double deviceShare = 0.0;                 // of the time that the device worked for anybody, 0..1
     std::map<std::string, uint64_t> tiles;    // by device
     size_t viewers = 0;

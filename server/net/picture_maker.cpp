@@ -45,6 +45,7 @@ MakingCosts PictureMaker::make(const FinishedFrame& frame, FrameCodec codec, uin
                                std::vector<uint8_t>& bytes) {
     MakingCosts costs;
     StopWatch watch;
+    const double before = threadCpuSeconds();
     if (codec == FrameCodec::exr) frame.film->develop(pixels_);
     else develop(frame, pixels_, display_);
     costs.relativeError = frame.film->relativeError();
@@ -56,6 +57,7 @@ MakingCosts PictureMaker::make(const FinishedFrame& frame, FrameCodec codec, uin
     bytes.resize(front);
     bytes.insert(bytes.end(), payload_.begin(), payload_.end());
     costs.encodeSeconds = watch.seconds();
+    costs.coreSeconds = threadCpuSeconds() - before;
     return costs;
 }
 

@@ -13,6 +13,7 @@ namespace heliograph {
 struct MakingCosts {
     double developSeconds = 0.0;  // with the tone map
     double encodeSeconds = 0.0;
+    double coreSeconds = 0.0;     // processor time of both
     double relativeError = 1.0;   // of the film
 };
 

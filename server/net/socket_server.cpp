@@ -418,15 +418,16 @@ int SocketServer::Impl::write(lws* wsi, Connection& connection) {
     auto piece = connection.nextPiece(std::chrono::steady_clock::now());
     if (!piece) return 0;
     int mode = lws_write_ws_flags(piece->text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY, piece->first, piece->last);
-    StopWatch watch;
+    const double before = threadCpuSeconds();
     int written = lws_write(wsi, piece->bytes.data(), piece->bytes.size(), static_cast<lws_write_protocol>(mode));
     if (written < static_cast<int>(piece->bytes.size())) return -1;
-    if (!piece->text) connection.pieceWritten(watch.seconds());
+    if (!piece->text) connection.pieceWritten(threadCpuSeconds() - before);
     if (connection.hasOutput()) lws_callback_on_writable(wsi);
     return 0;
 }
 
 int SocketServer::Impl::receive(lws* wsi, Connection& connection, std::string_view piece) {
+    lws_validity_confirmed(wsi);  // who speaks need not be pinged
     bool last = lws_is_final_fragment(wsi) && lws_remaining_packet_payload(wsi) == 0;
     std::optional<CloseCode> fault = connection.receive(piece, lws_frame_is_binary(wsi), last, wallSeconds());
     if (!fault) return 0;

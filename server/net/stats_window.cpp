@@ -9,6 +9,9 @@ void StatsWindow::framePublished(const Published& frame) {
     rays_ += frame.figures.rays.total();
     develop_ += frame.costs.developSeconds;
     encode_ += frame.costs.encodeSeconds;
+    service_ += frame.costs.coreSeconds;
+    // A device that works elsewhere takes no processor time here; its wall time stands for it.
+    tracing_ += frame.figures.coreSeconds > 0.0 ? frame.figures.coreSeconds : frame.figures.renderSeconds;
     queue_ += 1e-6 * frame.header.inputMicros;
     last_.samples = frame.header.samples;
     last_.targetSamples = frame.targetSamples;
@@ -20,7 +23,7 @@ void StatsWindow::framePublished(const Published& frame) {
 
 void StatsWindow::frameWritten(double waitSeconds, double writeSeconds) {
     sent_++;
-    write_ += writeSeconds;
+    service_ += writeSeconds;
     send_ += waitSeconds;
 }
 
@@ -37,15 +40,11 @@ ViewerStats StatsWindow::take(double seconds, Turns::Used used) {
         last_.ms.encode = ms * encode_;
         last_.ms.queue = ms * queue_;
         if (sent_ > 0) last_.ms.send = 1000.0 * send_ / sent_;
-        // Waiting in the socket's queue costs nobody's time; writing does.
-        double overhead = develop_ + encode_ + write_;
-        if (render_ > 0.0) {
-            last_.overheadShare = overhead / (render_ + overhead);
-            last_.mraysPerSecond = static_cast<double>(rays_) / render_ * 1e-6;
-        }
+        if (tracing_ > 0.0) last_.overheadShare = service_ / (tracing_ + service_);
+        if (render_ > 0.0) last_.mraysPerSecond = static_cast<double>(rays_) / render_ * 1e-6;
     }
     frames_ = passes_ = sent_ = 0;
-    render_ = develop_ = encode_ = queue_ = send_ = write_ = 0.0;
+    render_ = develop_ = encode_ = queue_ = send_ = tracing_ = service_ = 0.0;
     rays_ = 0;
     return last_;
 }

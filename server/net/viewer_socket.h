@@ -37,7 +37,7 @@ public:
     virtual ~ViewerPeer() = default;
     /// A text message came.
     virtual void receive(std::string_view text) = 0;
-    /// A frame or picture left for the viewer: seconds since it was encoded, and seconds spent handing it to the system.
+    /// A frame or picture left for the viewer: seconds since it was encoded, and processor seconds spent handing it to the system.
     virtual void written(FrameKind kind, double waitSeconds, double writeSeconds) = 0;
 };
 

@@ -347,6 +347,7 @@ double FrameLoop::renderSlice(const FrameRequest& request, std::span<const Tile>
         figures.lastRays.add(result.rays);
         figures.tiles[result.device]++;
         figures.nonfiniteSamples += result.nonfiniteSamples;
+        figures.coreSeconds += result.seconds;
         figures.devices |= deviceBit(result.device);
     };
     resident_->device->render(request, tiles, sink, cancelled);

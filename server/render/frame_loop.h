@@ -28,6 +28,7 @@ struct PassFigures {
     uint32_t passes = 0;
     double renderSeconds = 0.0;      // wall time of all of them, waiting for turns left out
     double lastPassSeconds = 0.0;
+    double coreSeconds = 0.0;        // processor time that the device says it took
     RayCounts rays;                  // all passes
     RayCounts lastRays;              // the last pass
     std::map<std::string, uint64_t> tiles;  // by device

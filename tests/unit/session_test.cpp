@@ -412,9 +412,11 @@ TEST(StatsWindow, SharesAndMeansFollowFromTheSums) {
     Published frame;
     frame.figures.passes = 2;
     frame.figures.renderSeconds = 0.08;
+    frame.figures.coreSeconds = 0.16;
     frame.figures.rays[RayKind::primary] = 8'000'000;
     frame.costs.developSeconds = 0.006;
     frame.costs.encodeSeconds = 0.010;
+    frame.costs.coreSeconds = 0.036;
     window.framePublished(frame);
     window.frameWritten(0.5, 0.004);
     ViewerStats stats = window.take(0.5, {1.0, 4.0});
@@ -422,7 +424,7 @@ TEST(StatsWindow, SharesAndMeansFollowFromTheSums) {
     EXPECT_DOUBLE_EQ(stats.ms.render, 40.0);  // of one pass
     EXPECT_DOUBLE_EQ(stats.ms.develop, 6.0);
     EXPECT_DOUBLE_EQ(stats.ms.send, 500.0);
-    EXPECT_DOUBLE_EQ(stats.overheadShare, 0.2);  // waiting costs nobody's time
+    EXPECT_DOUBLE_EQ(stats.overheadShare, 0.2);  // of the processor's time; waiting costs none
     EXPECT_DOUBLE_EQ(stats.mraysPerSecond, 100.0);
     EXPECT_DOUBLE_EQ(stats.deviceShare, 0.25);
     ViewerStats rest = window.take(0.5, {1.0, 5.0});
