@@ -3,14 +3,34 @@
 #include "server/device/embree/embree_device.h"
 #include "server/device/embree/embree_raw.h"
 
-#include <stdexcept>
+#include "server/device/vulkan/vulkan_device.h"
+#include "server/render/spare_device.h"
 
 namespace heliograph {
 
+namespace {
+
+// A Vulkan device that is no processor: only that is faster than Embree.
+bool hasGpu() {
+    std::string why;
+    for (const PhysicalDevice& device : listVulkanDevices(why))
+        if (device.refused.empty() && !device.isCpu()) return true;
+    return false;
+}
+
+// A GPU can be lost; the processor cannot.
+std::unique_ptr<Device> withSpare(std::unique_ptr<Device> device) {
+    return makeSpareDevice(std::move(device), makeEmbreeDevice());
+}
+
+}  // namespace
+
 std::unique_ptr<Device> makeDevice(const Settings& settings) {
     std::string word = Settings::choiceWord("device", settings.device);
-    if (word == "auto" || word == "embree") return makeEmbreeDevice();
-    throw std::runtime_error("device " + word + ": not part of this build");
+    if (word == "auto") return hasGpu() ? withSpare(makeVulkanDevice()) : makeEmbreeDevice();
+    if (word == "vulkan") return withSpare(makeVulkanDevice());
+    if (word.starts_with("vulkan:")) return withSpare(makeVulkanDevice(word.substr(7)));
+    return makeEmbreeDevice();
 }
 
 namespace {

@@ -8,7 +8,9 @@
 
 namespace heliograph {
 
-/// The device that the setting `device` means; auto is the CPU. Throws std::runtime_error if it cannot start.
+/// The device that the setting `device` means; auto is a GPU where there is one, else the CPU. Behind a
+/// Vulkan device stands the CPU, should it fail. Throws InputError for a device that is not there, std::runtime_error if it
+/// cannot start.
 std::unique_ptr<Device> makeDevice(const Settings& settings);
 /// The bare tracing of the same device; null for one that offers none.
 std::unique_ptr<RawBench> makeRawBench(const Settings& settings);

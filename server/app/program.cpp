@@ -1,6 +1,7 @@
 #include "server/app/program.h"
 
 #include "server/app/bench_command.h"
+#include "server/app/devices_command.h"
 #include "server/app/inspect_command.h"
 #include "server/app/render_command.h"
 #include "server/app/serve_command.h"
@@ -68,6 +69,7 @@ int runProgram(int argc, const char* const* argv) {
     addServeCommand(app, run);
     addRenderCommand(app, run);
     addInspectCommand(app, run);
+    addDevicesCommand(app, run);
     addBenchCommand(app, run);
     try {
         app.parse(argc, argv);

@@ -5,7 +5,7 @@
 // SETTING_CHOICE(name, default, "a|b|c", label, effect, price, help)        stored as the index of the choice
 // effect: the effect_table row it belongs to, or "". price: which direction is exact and dearer: "up", "down", "on", "off" or "".
 // The K rows (SETTING_K_*) are also fields of the kernel's settings block.
-SETTING_CHOICE(device, 0, "auto|embree", "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present.")
+SETTING_CHOICE(device, 0, "auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3", "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present.")
 SETTING_FLOAT(renderScale, 1.0f, 0.125f, 1.0f, "x", "Render scale", "", "up", "Rendered resolution as a share of the window. Lower is faster and softer.")
 SETTING_INT(samples, 64, 1, 65536, "per pixel", "Samples at rest", "", "up", "How many samples a pixel collects while the camera rests. More samples, smoother edges.")
 SETTING_BOOL(shadows, true, "Shadows", "shadows", "on", "Hard shadows from every light. Costs one ray per light and visible point.")

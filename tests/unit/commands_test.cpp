@@ -123,7 +123,7 @@ TEST_F(CommandsTest, BadValuesAreRefusedBeforeAnyWork) {
     render({"--samples", "-1"}, {"setting samples: -1"});
     render({"--set", "glitter=1"}, {"setting: unknown name \"glitter\""});
     render({"--set", "maxReflections=99"}, {"setting maxReflections: 99"});
-    render({"--device", "abacus"}, {"setting device: \"abacus\"; allowed: one of auto embree"});
+    render({"--device", "abacus"}, {"setting device: \"abacus\"; allowed: one of auto embree vulkan"});
     render({"--out", file("a.bmp")}, {"a.bmp: unknown format 'bmp'; allowed: a name that ends in .png, .exr or .jpg"});
     render({"--out", file("none/a.png")}, {"its folder does not exist"});
     EXPECT_TRUE(fs::is_empty(folder_));

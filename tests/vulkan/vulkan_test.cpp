@@ -1,0 +1,317 @@
+#include "server/device/embree/embree_device.h"
+#include "server/device/vulkan/bvh_builder.h"
+#include "server/device/vulkan/spirv_exact.h"
+#include "server/device/vulkan/batch.h"
+#include "server/device/vulkan/vulkan_device.h"
+
+#include "server/base/error.h"
+#include "server/render/frame_renderer.h"
+#include "server/render/spare_device.h"
+#include "server/scene/scene_source.h"
+#include "tests/support/test_scenes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace heliograph {
+namespace {
+
+using ::testing::HasSubstr;
+
+VulkanOptions checked() {
+    VulkanOptions options;
+    options.validation = true;
+    return options;
+}
+
+/// Every test that uses a device runs under the validation layer; a message from it fails the test.
+class Vulkan : public ::testing::Test {
+protected:
+    void SetUp() override { context_ = vulkanContext(checked()); before_ = context_->validationMessages(); }
+    void TearDown() override { EXPECT_EQ(context_->validationMessages(), before_) << "the validation layer has something to say"; }
+
+    std::shared_ptr<VulkanContext> context_;
+    uint64_t before_ = 0;
+};
+
+std::vector<vec4> picture(Device& device, const FrameRequest& request, uint32_t samples = 1) {
+    Film film;
+    renderFrame(device, request, samples, film);
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    return pixels;
+}
+
+Settings occludedSettings() {
+    Settings settings;
+    settings.ambientOcclusion = true;
+    settings.aoSamples = 3;
+    settings.primaryPackets = settings.secondaryPackets = false;
+    settings.tileWidth = settings.tileHeight = 2;
+    return settings;
+}
+
+FrameRequest requestFor(const Scene& scene, const Settings& settings, uvec2 size) {
+    Camera camera = cameraFrom(scene.cameras.front());
+    camera.forward += vec3(0.00317f, 0.00171f, -0.00233f);  // off the scene's axes: no ray along an edge
+    return frameRequest(scene, camera, settings, size, 1);
+}
+
+uint64_t differing(const std::vector<vec4>& a, const std::vector<vec4>& b) {
+    if (a.size() != b.size()) return ~0ull;
+    uint64_t count = 0;
+    for (size_t i = 0; i < a.size(); i++) count += std::memcmp(&a[i], &b[i], sizeof(vec4)) != 0;
+    return count;
+}
+
+// A validation test that cannot see the layer's messages proves nothing: so a call that is wrong must be reported.
+TEST(VulkanValidation, LayerIsActiveAndReports) {
+    auto context = std::make_shared<VulkanContext>(checked());
+    Gpu gpu(context, context->find(""));
+    uint64_t before = context->validationMessages();
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};  // size 0 is not allowed
+    VkBuffer buffer = VK_NULL_HANDLE;
+    if (vkCreateBuffer(gpu.handle(), &info, nullptr, &buffer) == VK_SUCCESS) vkDestroyBuffer(gpu.handle(), buffer, nullptr);
+    EXPECT_GT(context->validationMessages(), before);
+}
+
+TEST_F(Vulkan, UnknownDeviceIsRefusedByNameAndPresentOnesAreListed) {
+    try {
+        makeVulkanDevice("abacus", checked());
+        FAIL() << "no error";
+    } catch (const InputError& error) {
+        EXPECT_THAT(error.what(), HasSubstr("no Vulkan device 'abacus'"));
+        EXPECT_THAT(error.what(), HasSubstr(context_->devices().front().name));
+    }
+}
+
+TEST_F(Vulkan, PictureIsEmbreesBitForBit) {
+    auto scene = openScene("cornell");
+    Settings settings = occludedSettings();
+    auto gpu = makeVulkanDevice("", checked());
+    auto cpu = makeEmbreeDevice();
+    gpu->load(scene, settings, {});
+    cpu->load(scene, settings, {});
+    // 101 x 67: no tile and no workgroup is whole at the border.
+    FrameRequest request = requestFor(*scene, settings, {101, 67});
+    EXPECT_EQ(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 0u);
+}
+
+TEST_F(Vulkan, CountsTheRaysThatEmbreeCounts) {
+    auto scene = openScene("cornell");
+    Settings settings = occludedSettings();
+    auto gpu = makeVulkanDevice("", checked());
+    auto cpu = makeEmbreeDevice();
+    gpu->load(scene, settings, {});
+    cpu->load(scene, settings, {});
+    FrameRequest request = requestFor(*scene, settings, {64, 48});
+    Film film;
+    FrameStats a = renderFrame(*gpu, request, 1, film);
+    FrameStats b = renderFrame(*cpu, request, 1, film);
+    EXPECT_EQ(a.rays.by, b.rays.by);
+    EXPECT_GT(a.rays[RayKind::reflection], 0u);
+}
+
+/// Meshes that stand in several places, mirrored, scaled and turned, beside one that does not move.
+std::shared_ptr<const Scene> placedScene() {
+    SceneBuilder builder = test::litBuilder("placed");
+    uint32_t mesh = builder.addMesh(test::square());
+    for (int i = 0; i < 9; i++) {
+        float angle = 0.31f * static_cast<float>(i);
+        mat4 m(1.0f);
+        m[0] = vec4(std::cos(angle), 0.2f, std::sin(angle), 0.0f) * (0.3f + 0.1f * static_cast<float>(i));
+        m[1] = vec4(0.0f, i % 2 ? -0.7f : 0.9f, 0.1f, 0.0f);
+        m[2] = vec4(-std::sin(angle), 0.0f, std::cos(angle), 0.0f);
+        m[3] = vec4(1.7f * static_cast<float>(i % 3) - 1.7f, 1.9f * static_cast<float>(i / 3) - 1.9f, -0.37f * i, 1.0f);
+        builder.addInstance(mesh, m);
+    }
+    uint32_t back = builder.addMesh(test::square());
+    mat4 behind(8.0f);
+    behind[3] = vec4(0.1f, 0.2f, -6.0f, 1.0f);
+    builder.addInstance(back, behind);
+    NamedCamera camera;
+    camera.position = vec3(0.3f, 0.2f, 6.0f);
+    builder.addCamera(camera);
+    return builder.finish();
+}
+
+TEST_F(Vulkan, InstancesStayInstancesAndLookTheSame) {
+    auto scene = placedScene();
+    ASSERT_GE(scene->instances.size(), 10u);
+    Settings settings = occludedSettings();
+    auto gpu = makeVulkanDevice("", checked());
+    auto cpu = makeEmbreeDevice();
+    gpu->load(scene, settings, {});
+    cpu->load(scene, settings, {});
+    FrameRequest request = requestFor(*scene, settings, {96, 80});
+    std::vector<vec4> pixels = picture(*gpu, request);
+    EXPECT_EQ(differing(pixels, picture(*cpu, request)), 0u);
+    BvhOptions options;
+    Bvh bvh = buildBvh(*scene, options);
+    uint64_t placed = 0;
+    for (uint32_t root : bvh.meshRoots) placed += root != NO_INDEX;
+    EXPECT_GE(placed, 1u);
+    EXPECT_LT(bvh.triangles.count / WORDS16_PER_TRIANGLE, scene->triangleCount());
+}
+
+TEST_F(Vulkan, EmptySceneShowsItsSurroundings) {
+    SceneBuilder builder = test::litBuilder("nothing");
+    builder.setEnvironmentColor(vec3(0.25f, 0.5f, 0.75f));
+    auto scene = builder.finish();
+    Settings settings = occludedSettings();
+    auto gpu = makeVulkanDevice("", checked());
+    gpu->load(scene, settings, {});
+    for (const vec4& p : picture(*gpu, requestFor(*scene, settings, {16, 16}))) EXPECT_EQ(vec3(p), vec3(0.25f, 0.5f, 0.75f));
+}
+
+TEST_F(Vulkan, StopsBetweenBatches) {
+    auto scene = openScene("cornell");
+    Settings settings = occludedSettings();
+    auto gpu = makeVulkanDevice("", checked());
+    gpu->load(scene, settings, {});
+    FrameRequest request = requestFor(*scene, settings, {64, 64});
+    Film film;
+    film.reset(request.resolution, 1);
+    std::vector<Tile> tiles = film.tilesFor(0, 1, {32, 32});
+    std::stop_source stop;
+    stop.request_stop();
+    size_t delivered = 0;
+    gpu->render(request, tiles, [&](TileResult&&) { delivered++; }, stop.get_token());
+    EXPECT_EQ(delivered, 0u);
+}
+
+TEST_F(Vulkan, TooLittleMemoryIsSaidAndTheSpareMakesTheSamePicture) {
+    auto scene = openScene("cornell");
+    Settings settings = occludedSettings();
+    VulkanOptions tight = checked();
+    tight.memoryLimit = 1 << 20;
+    EXPECT_THROW(makeVulkanDevice("", tight)->load(scene, settings, {}), VulkanError);
+    std::string told;
+    auto device = makeSpareDevice(makeVulkanDevice("", tight), makeEmbreeDevice(), [&](const std::string& what) { told = what; });
+    device->load(scene, settings, {});
+    auto cpu = makeEmbreeDevice();
+    cpu->load(scene, settings, {});
+    FrameRequest request = requestFor(*scene, settings, {64, 48});
+    EXPECT_EQ(differing(picture(*device, request), picture(*cpu, request)), 0u);
+    EXPECT_THAT(told, HasSubstr("out of device memory"));
+}
+
+/// A device that is lost after some tiles.
+class LostDevice : public Device {
+public:
+    LostDevice(std::unique_ptr<Device> inner, size_t after) : inner_(std::move(inner)), after_(after) {}
+    DeviceInfo info() const override { return inner_->info(); }
+    void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
+        inner_->load(std::move(scene), settings, progress);
+    }
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
+        inner_->render(request, tiles.first(std::min(after_, tiles.size())), sink, stop);
+        throw VulkanError(VK_ERROR_DEVICE_LOST, "finish its work");
+    }
+
+private:
+    std::unique_ptr<Device> inner_;
+    size_t after_;
+};
+
+TEST_F(Vulkan, DeviceLostMidFrameLeavesACompleteAndEqualFrame) {
+    auto scene = openScene("cornell");
+    Settings settings = occludedSettings();
+    settings.tileWidth = settings.tileHeight = 1;
+    std::string told;
+    auto device = makeSpareDevice(std::make_unique<LostDevice>(makeVulkanDevice("", checked()), 5), makeEmbreeDevice(),
+                                  [&](const std::string& what) { told = what; });
+    auto cpu = makeEmbreeDevice();
+    device->load(scene, settings, {});
+    cpu->load(scene, settings, {});
+    FrameRequest request = requestFor(*scene, settings, {64, 64});
+    EXPECT_EQ(differing(picture(*device, request, 3), picture(*cpu, request, 3)), 0u);
+    EXPECT_THAT(told, HasSubstr("device lost"));
+    EXPECT_EQ(device->info().name, "embree");
+}
+
+/// Whether every triangle's corners lie in the boxes on the way to it, and each triangle is reached once.
+void checkTree(const Bvh& bvh, uint32_t expected) {
+    ASSERT_EQ(bvh.width, 4u);
+    std::vector<uint32_t> seen(bvh.triangles.count / WORDS16_PER_TRIANGLE, 0);
+    std::vector<uint32_t> stack{0};
+    auto asFloat = [](uint32_t bits) { float x; std::memcpy(&x, &bits, 4); return x; };
+    while (!stack.empty()) {
+        const uvec4* node = bvh.nodes.data.get() + size_t(stack.back()) * WORDS16_PER_NODE;
+        stack.pop_back();
+        for (int child = 0; child < 4; child++) {
+            uint32_t ref = node[3][child];
+            if (ref < REF_TRIANGLES) { stack.push_back(ref); continue; }
+            ASSERT_LT(ref, REF_INSTANCE);
+            for (uint32_t i = ref & 0x07ffffffu, end = i + (ref >> 27 & 7u); i < end; i++) {
+                seen[i]++;
+                for (int axis = 0; axis < 3; axis++) {
+                    float scale = asFloat((node[0].w >> (8 * axis) & 255u) << 23);
+                    uint32_t lowWord = axis == 2 ? node[2].x : node[1][2 * axis];
+                    uint32_t highWord = axis == 2 ? node[2].y : node[1][2 * axis + 1];
+                    float low = asFloat(node[0][axis]) + scale * static_cast<float>(lowWord >> (8 * child) & 255u);
+                    float high = asFloat(node[0][axis]) + scale * static_cast<float>(highWord >> (8 * child) & 255u);
+                    for (int corner = 0; corner < 3; corner++) {
+                        float x = asFloat(bvh.triangles.data[size_t(i) * 3 + corner][axis]);
+                        ASSERT_LE(low, x);
+                        ASSERT_GE(high, x);
+                    }
+                }
+            }
+        }
+    }
+    uint32_t once = 0;
+    for (uint32_t n : seen) once += n == 1;
+    EXPECT_EQ(once, expected);
+}
+
+TEST(BvhBuilder, QuantisedBoxesHoldTheirTriangles) {
+    auto scene = openScene("cornell");
+    BvhOptions options;
+    options.width = 4;
+    options.maxLeaf = 4;
+    Bvh bvh = buildBvh(*scene, options);
+    checkTree(bvh, static_cast<uint32_t>(bvh.triangles.count / WORDS16_PER_TRIANGLE));
+    EXPECT_GE(bvh.stackDepth, 3u * 4u);
+}
+
+TEST(PathStack, HoldsTheWorstBranchingAndNoMoreThanNeeded) {
+    Settings settings;
+    settings.maxReflections = 1;
+    settings.maxRefractions = 8;
+    EXPECT_EQ(pathStackSize(EffectSet{EFFECT_SHADOWS}, settings), 1u);
+    EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS}, settings), 1u);
+    // Eight refractions that each leave a reflection waiting, and the last pair.
+    EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS}, settings), 16u);
+    EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND}, settings), 40u);
+}
+
+TEST(BatchSize, FollowsTheMeasuredRateWithinItsBounds) {
+    BatchSize size{0.02, 1000, 100'000};
+    EXPECT_EQ(size.samples(), 4000u);
+    size.learn(0.01, 10'000);
+    EXPECT_EQ(size.samples(), 20'000u);
+    for (int i = 0; i < 50; i++) size.learn(1.0, 100);
+    EXPECT_EQ(size.samples(), 1000u);
+    for (int i = 0; i < 90; i++) size.learn(1e-6, 100'000);
+    EXPECT_EQ(size.samples(), 100'000u);
+    size.learn(1.0, 0);
+    EXPECT_EQ(size.samples(), 100'000u);
+}
+
+// Words of a module: header, OpTypeFloat %2 32, OpFMul %2 %3 %4 %5.
+TEST(SpirvExact, DecoratesArithmeticBeforeTheFirstType) {
+    const uint32_t module[] = {0x07230203, 0x10500, 0, 9, 0, 3u << 16 | 22, 2, 32, 5u << 16 | 133, 2, 3, 4, 5};
+    std::vector<uint32_t> exact = withoutContraction(module);
+    ASSERT_EQ(exact.size(), std::size(module) + 3);
+    EXPECT_EQ((std::vector<uint32_t>(exact.begin() + 5, exact.begin() + 8)), (std::vector<uint32_t>{3u << 16 | 71, 3, 42}));
+    const uint32_t broken[] = {0x07230203, 0x10500, 0, 9, 0, 90u << 16 | 22};
+    EXPECT_THROW(withoutContraction(broken), std::invalid_argument);
+    const uint32_t other[] = {1, 2, 3, 4, 5, 6};
+    EXPECT_THROW(withoutContraction(other), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace heliograph
