@@ -11,8 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A film takes 32 bytes a pixel and a viewer has two of them: 6 GiB for three viewers at 7680x4320.
-constexpr uint64_t PIXEL_LIMIT = 3 * MAX_PIXELS;  // of all viewers together
 constexpr auto TICK = 100ms;
 
 }  // namespace
@@ -51,7 +49,7 @@ bool Service::grantPixels(uint32_t viewer, uint64_t pixels) {
     std::lock_guard lock(mutex_);
     uint64_t others = 0;
     for (const auto& [other, count] : pixels_) others += other == viewer ? 0 : count;
-    if (others + pixels > PIXEL_LIMIT) return false;
+    if (others + pixels > options_.pixelLimit) return false;
     pixels_[viewer] = pixels;
     return true;
 }

@@ -1,0 +1,187 @@
+// The whole server over real sockets, with a device that traces nothing.
+
+#include "server/app/service.h"
+
+#include "server/base/error.h"
+#include "tests/support/web_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <latch>
+
+namespace heliograph {
+namespace {
+
+using nlohmann::json;
+using test::WebClient;
+using testing::HasSubstr;
+
+const std::string OURS = "Sec-WebSocket-Protocol: heliograph.v1\r\n";
+
+class GreyDevice : public Device {
+public:
+    DeviceInfo info() const override { return {"embree", "for tests", "none", 1}; }
+    void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override {}
+    void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
+        for (const Tile& tile : tiles) {
+            if (stop.stop_requested()) return;
+            TileResult result;
+            result.tile = tile;
+            result.device = "embree";
+            result.radianceSum.assign(static_cast<size_t>(tile.size.x) * tile.size.y, vec4(0.5f, 0.5f, 0.5f, 0.25f));
+            sink(std::move(result));
+        }
+    }
+};
+
+ServiceOptions options() {
+    ServiceOptions o;
+    o.socket.listen.port = 0;
+    o.socket.files["/"] = {"text/html", "hello"};
+    o.scenes = {{"first", "one"}, {"second", "two"}, {"bad", "three"}};
+    o.defaults.samples = 1;
+    o.makeDevice = [] { return std::make_unique<GreyDevice>(); };
+    o.openScene = [](const std::string& name, const Progress&) {
+        if (name == "bad") throw InputError("bad", "cannot be read", "another");
+        auto scene = std::make_shared<Scene>();
+        scene->name = name;
+        scene->environment.image = NO_INDEX;
+        scene->cameras.push_back({"start", vec3(name == "first" ? 1.0f : 2.0f, 0, 0)});
+        return std::shared_ptr<const Scene>(scene);
+    };
+    return o;
+}
+
+/// A viewer that acknowledges every frame.
+struct Viewer {
+    explicit Viewer(int port) : client(port) { client.upgrade(OURS); }
+    void say(const json& message) { client.sendText(message.dump()); }
+    void size(uint32_t width, uint32_t height, uint32_t inputId) {
+        say({{"type", "resolution"}, {"width", width}, {"height", height}, {"inputId", inputId}});
+    }
+    void look(uint32_t inputId) {
+        say({{"type", "camera"}, {"inputId", inputId}, {"position", {inputId, 0, 0}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}},
+             {"fieldOfView", 60}, {"moving", false}});
+    }
+    /// Reads until a frame shows that input.
+    FrameHeader untilInput(uint32_t inputId) {
+        while (auto message = client.receive()) {
+            if (message->opcode != 2) continue;
+            FrameHeader header = readFrameHeader({reinterpret_cast<const uint8_t*>(message->bytes.data()), message->bytes.size()});
+            say({{"type", "ack"}, {"frameId", header.frameId}, {"presentedMs", 1.0}});
+            if (header.inputId == inputId) return header;
+        }
+        ADD_FAILURE() << "the connection ended before input " << inputId;
+        return {};
+    }
+    /// Reads until a text message of that type whose `field` has that value; any value for an empty field.
+    json untilText(const std::string& type, const std::string& field = {}, const json& value = {}) {
+        while (auto message = client.receive()) {
+            if (message->opcode != 1) continue;
+            json text = json::parse(message->bytes);
+            if (text["type"] == type && (field.empty() || text[field] == value)) return text;
+        }
+        ADD_FAILURE() << "the connection ended before " << type;
+        return {};
+    }
+    WebClient client;
+};
+
+struct Running {
+    explicit Running(ServiceOptions o = options()) : service(std::move(o)) {
+        service.start([this](std::exception_ptr) { started.count_down(); });
+        started.wait();
+    }
+    std::latch started{1};
+    Service service;
+};
+
+TEST(Service, TwoViewersLookAtTwoScenes) {
+    Running s;
+    Viewer a(s.service.port()), b(s.service.port());
+    a.size(64, 48, 1);
+    b.size(32, 16, 1);
+    EXPECT_EQ(a.untilInput(1).size, uvec2(64, 48));
+    EXPECT_EQ(b.untilInput(1).size, uvec2(32, 16));
+    b.say({{"type", "scene"}, {"name", "second"}});
+    EXPECT_EQ(b.untilText("scene", "state", "ready")["camera"]["position"][0], 2.0);
+    for (uint32_t id = 2; id < 40; id++) {
+        a.look(id);
+        b.look(id);
+    }
+    EXPECT_EQ(a.untilInput(39).fullSize, uvec2(64, 48));
+    EXPECT_EQ(b.untilInput(39).fullSize, uvec2(32, 16));
+    EXPECT_THAT(WebClient(s.service.port()).get("/metrics").body, HasSubstr("heliograph_viewers 2\n"));
+}
+
+TEST(Service, AFaultOfOneDisturbsNobodyElse) {
+    Running s;
+    Viewer good(s.service.port()), bad(s.service.port());
+    good.size(64, 48, 1);
+    good.untilInput(1);
+    bad.client.sendText("{{{");
+    EXPECT_THAT(bad.untilText("error")["message"], HasSubstr("not JSON"));
+    bad.say({{"type", "scene"}, {"name", "bad"}});
+    EXPECT_THAT(bad.untilText("scene", "state", "failed")["what"], HasSubstr("cannot be read"));
+    bad.size(64, 48, 1);
+    bad.untilInput(1);  // the scene before is still there
+    bad.client.sendFrame(2, "binary");
+    while (auto message = bad.client.receive()) {
+        if (message->opcode == 8) break;
+    }
+    good.look(2);
+    good.untilInput(2);
+}
+
+TEST(Service, FilmsOfAllViewersTogetherAreLimited) {
+    ServiceOptions o = options();
+    o.pixelLimit = 10'000;
+    Running s(o);
+    Viewer b(s.service.port());
+    {
+        Viewer a(s.service.port());
+        a.size(64, 48, 1);
+        a.untilInput(1);
+        b.size(100, 80, 1);
+        EXPECT_EQ(b.untilText("error")["about"], "resolution");
+        b.size(100, 60, 2);
+        b.untilInput(2);
+        b.size(100, 69, 3);  // its own pixels are given back first
+        b.untilInput(3);
+    }
+    while (WebClient(s.service.port()).get("/metrics").body.find("heliograph_viewers 1\n") == std::string::npos) {}
+    b.size(100, 100, 4);
+    b.untilInput(4);
+}
+
+TEST(Service, AFirstSceneThatFailsIsTold) {
+    ServiceOptions o = options();
+    std::swap(o.scenes[0], o.scenes[2]);
+    Service service(o);
+    std::exception_ptr failure;
+    std::latch done(1);
+    service.start([&](std::exception_ptr why) {
+        failure = why;
+        done.count_down();
+    });
+    done.wait();
+    EXPECT_THROW(std::rethrow_exception(failure), InputError);
+}
+
+TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
+    Running s;
+    for (int round = 0; round < 30; round++) {
+        Viewer viewer(s.service.port());
+        viewer.size(200, 100, 1);
+        if (round % 3 == 0) viewer.untilInput(1);
+        if (round % 3 == 1) viewer.say({{"type", "scene"}, {"name", "second"}});
+        for (uint32_t id = 2; id < 10; id++) viewer.look(id);
+    }
+    Viewer last(s.service.port());
+    last.size(64, 48, 1);
+    last.untilInput(1);
+}
+
+}  // namespace
+}  // namespace heliograph
