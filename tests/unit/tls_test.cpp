@@ -1,0 +1,167 @@
+// TLS of the server. A browser that is offered HTTP/2 opens the WebSocket inside it, where libwebsockets 4.1.6 reads past
+// its buffer: only HTTP/1.1 may be agreed on.
+
+#include "server/net/socket_server.h"
+
+#include "server/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <arpa/inet.h>
+#include <openssl/pem.h>
+#include <openssl/ssl.h>
+#include <openssl/x509.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace heliograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A certificate for localhost that signs itself, and its key, in a folder that goes away.
+struct Certificate {
+    fs::path folder;
+    std::string certificateFile, keyFile;
+
+    Certificate() {
+        std::string pattern = (fs::temp_directory_path() / "heliograph-XXXXXX").string();
+        folder = mkdtemp(pattern.data());
+        certificateFile = (folder / "cert.pem").string();
+        keyFile = (folder / "key.pem").string();
+        EVP_PKEY* key = EVP_EC_gen("P-256");
+        X509* x509 = X509_new();
+        X509_set_version(x509, 2);
+        ASN1_INTEGER_set(X509_get_serialNumber(x509), 1);
+        X509_gmtime_adj(X509_getm_notBefore(x509), -60);
+        X509_gmtime_adj(X509_getm_notAfter(x509), 3600);
+        X509_set_pubkey(x509, key);
+        X509_NAME* name = X509_get_subject_name(x509);
+        X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"), -1, -1, 0);
+        X509_set_issuer_name(x509, name);
+        X509_sign(x509, key, EVP_sha256());
+        FILE* file = std::fopen(certificateFile.c_str(), "w");
+        PEM_write_X509(file, x509);
+        std::fclose(file);
+        file = std::fopen(keyFile.c_str(), "w");
+        PEM_write_PrivateKey(file, key, nullptr, nullptr, 0, nullptr, nullptr);
+        std::fclose(file);
+        X509_free(x509);
+        EVP_PKEY_free(key);
+    }
+    ~Certificate() { fs::remove_all(folder); }
+};
+
+/// Sends a frame of 300,000 bytes to whoever connects.
+class Sender : public SocketHandler {
+public:
+    struct Peer : ViewerPeer {
+        void receive(std::string_view) override {}
+        void written(FrameKind, double, double) override {}
+    };
+    std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool) override {
+        OutgoingPicture picture;
+        picture.bytes.assign(SOCKET_HEADROOM + 300'000, 'p');
+        picture.encoded = std::chrono::steady_clock::now();
+        socket->sendPicture(std::move(picture));
+        return std::make_shared<Peer>();
+    }
+    void closed(std::shared_ptr<ViewerPeer>) override {}
+    void refused(const std::string&) override {}
+    std::string metricsText() override { return {}; }
+    bool ready() override { return true; }
+};
+
+SocketOptions options(const Certificate& certificate) {
+    SocketOptions o;
+    o.listen.port = 0;
+    o.certificateFile = certificate.certificateFile;
+    o.keyFile = certificate.keyFile;
+    return o;
+}
+
+/// A client as a browser is one: it offers HTTP/2 first.
+struct TlsClient {
+    SSL_CTX* context = SSL_CTX_new(TLS_client_method());
+    SSL* ssl = nullptr;
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+
+    TlsClient(int port, int highestVersion = TLS1_3_VERSION) {
+        SSL_CTX_set_max_proto_version(context, highestVersion);
+        const unsigned char offer[] = {2, 'h', '2', 8, 'h', 't', 't', 'p', '/', '1', '.', '1'};
+        SSL_CTX_set_alpn_protos(context, offer, sizeof offer);
+        timeval patience{20, 0};
+        setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        sockaddr_in address{};
+        address.sin_family = AF_INET;
+        address.sin_port = htons(static_cast<uint16_t>(port));
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        EXPECT_EQ(connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+        ssl = SSL_new(context);
+        SSL_set_fd(ssl, fd);
+    }
+    ~TlsClient() {
+        SSL_free(ssl);
+        SSL_CTX_free(context);
+        ::close(fd);
+    }
+    bool shakeHands() { return SSL_connect(ssl) == 1; }
+    std::string agreed() const {
+        const unsigned char* name = nullptr;
+        unsigned length = 0;
+        SSL_get0_alpn_selected(ssl, &name, &length);
+        return std::string(reinterpret_cast<const char*>(name), length);
+    }
+    void send(const std::string& bytes) { SSL_write(ssl, bytes.data(), static_cast<int>(bytes.size())); }
+    /// Reads until there are so many bytes or the connection ends.
+    std::string read(size_t wanted) {
+        std::string all;
+        char bytes[16384];
+        while (all.size() < wanted) {
+            int count = SSL_read(ssl, bytes, sizeof bytes);
+            if (count <= 0) break;
+            all.append(bytes, static_cast<size_t>(count));
+        }
+        return all;
+    }
+};
+
+TEST(Tls, AgreesOnHttp11AndCarriesLargeFrames) {
+    Certificate certificate;
+    Sender sender;
+    SocketServer server(options(certificate), sender);
+    server.start();
+    EXPECT_TRUE(server.url().starts_with("https://"));
+    TlsClient client(server.port());
+    ASSERT_TRUE(client.shakeHands());
+    EXPECT_EQ(client.agreed(), "http/1.1");
+    client.send("GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: heliograph.v1\r\n\r\n");
+    std::string all = client.read(300'100);
+    EXPECT_TRUE(all.starts_with("HTTP/1.1 101"));
+    EXPECT_EQ(std::count(all.begin(), all.end(), 'p') > 299'000, true) << all.size();
+}
+
+TEST(Tls, OldVersionsAreRefused) {
+    Certificate certificate;
+    Sender sender;
+    SocketServer server(options(certificate), sender);
+    server.start();
+    EXPECT_FALSE(TlsClient(server.port(), TLS1_1_VERSION).shakeHands());
+    EXPECT_TRUE(TlsClient(server.port(), TLS1_2_VERSION).shakeHands());
+}
+
+TEST(Tls, AKeyOfAnotherCertificateIsSaid) {
+    Certificate one, other;
+    SocketOptions mixed = options(one);
+    mixed.keyFile = other.keyFile;
+    Sender sender;
+    EXPECT_THROW(SocketServer(mixed, sender), InputError);
+}
+
+}  // namespace
+}  // namespace heliograph
