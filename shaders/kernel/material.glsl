@@ -164,7 +164,7 @@ vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
         vec3 f = fresnelSchlick(m.f0, saturate(dot(wo, h)));
         float a = max(m.roughness * m.roughness, 2.0e-3f);
         float lobe = distributionGgx(saturate(dot(m.normal, h)), a) * visibilityGgx(nDotV, nDotL, a);
-        vec3 kept = vec3(1.0f, 1.0f, 1.0f) - f;
+        vec3 kept = diffuseShare(m.f0, m.roughness, min(nDotV, nDotL));
         vec3 microfacet = (m.diffuse * kept * INV_PI + f * lobe) * nDotL;
         result = SELECT(phong, result, microfacet);
     }

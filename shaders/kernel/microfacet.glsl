@@ -16,6 +16,15 @@ float visibilityGgx(float nDotV, float nDotL, float a) {
     return 0.5f / max(v + l, 1.0e-20f);
 }
 
+// What a specular lobe leaves for the diffuse light under it; `cosine`: the flatter of both angles. Fitted so that lobe and
+// diffuse light together reflect at most 1.01 of uniform light (roughness >= 0.1; 1.03 below) and at least 0.8. 1 - Fresnel
+// at the half vector, as glTF's appendix B has it, gives up to 1.34: where both angles are flat the half vector stands up.
+vec3 diffuseShare(vec3 f0, float roughness, float cosine) {
+    float m = 1.0f - cosine;
+    float smooth_ = (1.0f - roughness * (1.6f - 0.66f * roughness)) * m * m * m;
+    return vec3(1.0f, 1.0f, 1.0f) - f0 - (vec3(1.0f, 1.0f, 1.0f) - f0) * smooth_;
+}
+
 // Directional albedo of a rough specular lobe under uniform light. Karis, "Physically Based Shading on Mobile" (2014), fit.
 vec3 environmentBrdf(vec3 f0, float roughness, float nDotV) {
     float rx = 1.0f - roughness;

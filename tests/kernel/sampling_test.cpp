@@ -1,0 +1,169 @@
+#include "tests/kernel/kernel_access.h"
+
+#include "server/render/kernel_tables.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+namespace heliograph {
+namespace {
+
+using namespace test;
+
+EveryKernel kernel = bareKernel();
+
+/// Greatest difference between the share of points in [0, x) x [0, y) and its area, over the corners that the points give.
+double starDiscrepancy(const std::vector<glm::dvec2>& points) {
+    double worst = 0.0;
+    std::vector<double> xs{1.0}, ys{1.0};
+    for (glm::dvec2 p : points) xs.push_back(p.x), ys.push_back(p.y);
+    for (double x : xs) {
+        for (double y : ys) {
+            double open = 0.0, closed = 0.0;
+            for (glm::dvec2 p : points) {
+                open += p.x < x && p.y < y;
+                closed += p.x <= x && p.y <= y;
+            }
+            const double n = static_cast<double>(points.size());
+            worst = std::max({worst, std::abs(open / n - x * y), std::abs(closed / n - x * y)});
+        }
+    }
+    return worst;
+}
+
+TEST(Sampling, JitterStartsAtThePixelsCentre) {
+    EXPECT_EQ(kernel.pixelJitter(0).x, 0.5f);
+    EXPECT_EQ(kernel.pixelJitter(0).y, 0.5f);
+}
+
+TEST(Sampling, JitterStaysInThePixel) {
+    for (uint32_t i = 0; i < 200000; i++) {
+        const vec2 j = kernel.pixelJitter(i);
+        ASSERT_TRUE(j.x >= 0.0f && j.x < 1.0f && j.y >= 0.0f && j.y < 1.0f) << i;
+    }
+    const vec2 last = kernel.pixelJitter(0xffffffffu);
+    EXPECT_TRUE(last.x >= 0.0f && last.x < 1.0f && last.y >= 0.0f && last.y < 1.0f);
+}
+
+TEST(Sampling, JitterFollowsTheR2Sequence) {
+    const double g = 1.32471795724474602596;  // root of x^3 = x + 1
+    for (uint32_t i = 0; i < 65536; i++) {
+        const vec2 j = kernel.pixelJitter(i);
+        const double x = 0.5 + i / g, y = 0.5 + i / (g * g);
+        const auto apart = [](double a, double b) {
+            const double d = std::abs(a - b - std::floor(a - b + 0.5));
+            return d;
+        };
+        ASSERT_LT(apart(j.x, x), 3e-5) << i;  // the step is rounded to 2^-32: 65536 of them lose 2^-17 at most
+        ASSERT_LT(apart(j.y, y), 3e-5) << i;
+    }
+}
+
+TEST(Sampling, JitterCoversThePixelFarMoreEvenlyThanChance) {
+    Random random(3);
+    for (uint32_t count : {64u, 256u}) {
+        std::vector<glm::dvec2> points;
+        for (uint32_t i = 0; i < count; i++) points.emplace_back(kernel.pixelJitter(i).x, kernel.pixelJitter(i).y);
+        double chance = 0.0;
+        for (int set = 0; set < 10; set++) {
+            std::vector<glm::dvec2> scattered;
+            for (uint32_t i = 0; i < count; i++) scattered.emplace_back(random.number(0.0, 1.0), random.number(0.0, 1.0));
+            chance += starDiscrepancy(scattered) / 10.0;
+        }
+        EXPECT_LT(starDiscrepancy(points), count == 64 ? 0.08 : 0.025);
+        EXPECT_LT(starDiscrepancy(points), 0.6 * chance) << count << " points";
+    }
+}
+
+TEST(Sampling, CosineHemisphereGivesUnitVectorsAboveTheHorizon) {
+    Random random(1);
+    for (int i = 0; i < 100000; i++) {
+        const vec3 d = kernel.cosineHemisphere(random.real(0.0f, 0.99999994f), random.real(0.0f, 0.99999994f));
+        ASSERT_NEAR(glm::length(dvec3(d)), 1.0, 5e-7);
+        ASSERT_GT(d.z, 0.0f);
+    }
+    EXPECT_EQ(kernel.cosineHemisphere(0.0f, 0.3f).z, 1.0f);
+}
+
+// Under the density z / pi, z has the distribution function z^2: mean 2/3, and every bin of z^2 is equally full.
+TEST(Sampling, CosineHemisphereHasTheDensityItClaims) {
+    const uint32_t side = 512;
+    double sum = 0.0;
+    std::vector<uint32_t> heights(16), turns(16);
+    for (uint32_t y = 0; y < side; y++) {
+        for (uint32_t x = 0; x < side; x++) {
+            const vec3 d = kernel.cosineHemisphere((float(x) + 0.5f) / side, (float(y) + 0.5f) / side);
+            sum += d.z;
+            heights[std::min(15, int(16.0 * d.z * d.z))]++;
+            turns[int(16.0 * (std::atan2(double(d.y), double(d.x)) / (2.0 * EXACT_PI) + 1.0)) % 16]++;
+        }
+    }
+    EXPECT_NEAR(sum / (side * side), 2.0 / 3.0, 1e-5);
+    for (int i = 0; i < 16; i++) {
+        EXPECT_NEAR(heights[i], side * side / 16.0, side) << i;
+        EXPECT_NEAR(turns[i], side * side / 16.0, side) << i;
+    }
+}
+
+// A (0,2)-sequence: any 2^k points in a row (from a multiple of 2^k) have one in every elementary interval of area 2^-k.
+TEST(Sampling, SobolTableHasOnePointInEveryElementaryInterval) {
+    const std::vector<uvec2>& table = sobolTable();
+    ASSERT_EQ(table.size(), size_t(EveryKernel::SOBOL_COUNT));
+    for (uint32_t bits = 1; bits <= 8; bits++) {
+        const uint32_t count = 1u << bits;
+        for (uint32_t first = 0; first < table.size(); first += count) {
+            for (uint32_t across = 0; across <= bits; across++) {
+                std::set<uint32_t> cells;
+                for (uint32_t i = first; i < first + count; i++) {
+                    const uint32_t x = across == 0 ? 0 : table[i].x >> (32 - across);
+                    const uint32_t y = across == bits ? 0 : table[i].y >> (32 - (bits - across));
+                    cells.insert(x << (bits - across) | y);
+                }
+                ASSERT_EQ(cells.size(), count) << count << " points from " << first << ", " << across << " bits across";
+            }
+        }
+    }
+}
+
+TEST(Sampling, DigitShiftKeepsTheStrata) {
+    const std::vector<uvec2>& table = sobolTable();
+    for (uint32_t shift : {0x12345678u, 0xdeadbeefu, 0xffffffffu}) {
+        std::set<uint32_t> columns, rows;
+        for (uint32_t i = 0; i < 16; i++) {
+            columns.insert(uint32_t(kernel.unitFloat(table[i].x ^ shift) * 16.0f));
+            rows.insert(uint32_t(kernel.unitFloat(table[i].y ^ kernel.hashUint(shift)) * 16.0f));
+        }
+        EXPECT_EQ(columns.size(), 16u);
+        EXPECT_EQ(rows.size(), 16u);
+    }
+}
+
+TEST(Sampling, SamplesOfAPixelTakeTheTableInARow) {
+    EveryKernel k = bareKernel();
+    k.frame.aoSamples = 9;
+    std::set<uint32_t> seen;
+    for (uint32_t sample = 0; sample < 455; sample++)
+        for (uint32_t i = 0; i < 9; i++) EXPECT_TRUE(seen.insert(k.occlusionNumber(sample, i)).second);
+    EXPECT_LT(*seen.rbegin(), EveryKernel::SOBOL_COUNT);
+    EXPECT_LT(k.occlusionNumber(0xffffffffu, 255), EveryKernel::SOBOL_COUNT);
+}
+
+TEST(Sampling, OcclusionDirectionsLeaveTheFacet) {
+    Random random(2);
+    const std::vector<uvec2>& table = sobolTable();
+    for (int i = 0; i < 100000; i++) {
+        const vec3 normal = random.direction();
+        vec3 facet = kernel.normalize3(normal + random.inCube(0.9f));
+        if (glm::dot(facet, normal) < 0.0f) facet = -facet;
+        vec3 t, b;
+        kernel.orthonormalBasis(normal, t, b);
+        const vec3 d = kernel.occlusionDirection(table[i % table.size()], random.word(), normal, facet, t, b);
+        ASSERT_GE(glm::dot(d, facet), -2e-7f);
+        ASSERT_NEAR(glm::length(dvec3(d)), 1.0, 2e-6);
+    }
+}
+
+}  // namespace
+}  // namespace heliograph
