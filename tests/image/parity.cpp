@@ -2,6 +2,7 @@
 //   --device D      the device that is compared with embree (vulkan:0); --size WxH, --samples N, --ao
 //   --checkerboard  every other tile from the other device
 //   --out FOLDER    pictures of both devices and of the difference where a scene fails, or always with --pictures
+//   --robust        embree traces watertight
 //   --packets       embree traces in packets instead of ray by ray
 //   --bar P         share of pixels (per cent) that may differ by more than 1/255 (else by scene, see rows())
 // A row per scene; the last line is `N passed, N failed`, as ./check counts it. Without SCENE: all of rows() that are here.
@@ -29,6 +30,8 @@ struct Bars {
 };
 constexpr Bars OWN{99.5, 0.002, 0.0};   // scenes of ours have no coincident surfaces
 constexpr Bars FOREIGN{0.0, 0.2, 50.0};
+
+constexpr const char* KINDS[] = {"primary", "shadow", "ambient occlusion", "reflection", "refraction"};
 
 struct Row {
     std::string scene;
@@ -65,6 +68,7 @@ struct Options {
     bool checkerboard = false;
     bool pictures = false;
     bool packets = false;
+    bool robust = false;
     std::string out;
     double bar = -1.0;
     std::vector<std::string> scenes;
@@ -148,6 +152,7 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     Settings settings;
     settings.ambientOcclusion = options.occlusion;
     settings.aoSamples = 4;
+    settings.robust = options.robust;
     settings.primaryPackets = options.packets;
     settings.secondaryPackets = options.packets;
     embree.load(scene, settings, {});
@@ -171,6 +176,10 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
                 static_cast<unsigned long long>(scene->triangleCount()), identical, static_cast<unsigned long long>(c.off), off,
                 c.psnr, static_cast<unsigned long long>(first.rays.total()),
                 static_cast<unsigned long long>(second.rays.total()), first.milliseconds, second.milliseconds);
+    for (size_t kind = 0; kind < first.rays.by.size(); kind++)
+        if (first.rays.by[kind] != second.rays.by[kind])
+            std::printf("  %s %llu / %llu", KINDS[kind], static_cast<unsigned long long>(first.rays.by[kind]),
+                        static_cast<unsigned long long>(second.rays.by[kind]));
     if (!good) std::printf("  worst %.3f at (%u, %u)", c.greatest, c.worst.x, c.worst.y);
     std::printf("\n");
     std::fflush(stdout);
@@ -201,6 +210,7 @@ Options parse(int argc, char** argv) {
         } else if (word == "--samples") options.samples = static_cast<uint32_t>(std::stoul(value()));
         else if (word == "--ao") options.occlusion = true;
         else if (word == "--checkerboard") options.checkerboard = true;
+        else if (word == "--robust") options.robust = true;
         else if (word == "--packets") options.packets = true;
         else if (word == "--pictures") options.pictures = true;
         else if (word == "--out") options.out = value();
