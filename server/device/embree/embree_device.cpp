@@ -71,6 +71,8 @@ public:
         common.rtcScene = scene->handle();
         common.view = &scene->view();
         common.frame = &frame;
+        common.coherentPrimary = scene->coherentPrimary();
+        common.coherentShadows = scene->coherentShadows();
         TraceOptions& options = common.options;
         options.primaryWidth = request.settings.primaryPackets ? width_ : 1;
         options.secondaryWidth = request.settings.secondaryPackets ? width_ : 1;

@@ -160,7 +160,9 @@ BareTime EmbreeRaw::trace(RayKind kind) {
     const RayList& list = kind == RayKind::primary ? data_->primary
                           : kind == RayKind::shadow ? data_->shadow : data_->occlusion;
     bool closest = kind == RayKind::primary;
-    TraceMode mode{data_->width, kind != RayKind::ambientOcclusion};
+    bool coherent = closest ? data_->scene->coherentPrimary()
+                            : kind == RayKind::shadow && data_->scene->coherentShadows();
+    TraceMode mode{data_->width, coherent};
     RTCScene scene = data_->scene->handle();
     std::atomic<uint64_t> found{0};
     double cpu = processCpuSeconds();

@@ -71,6 +71,10 @@ EmbreeScene::EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, u
                          const Progress& progress)
     : scene_(std::move(scene)), view_(sceneView(*scene_)) {
     meshScenes_.resize(scene_->meshes.size(), nullptr);
+    for (const Mesh& mesh : scene_->meshes) {
+        coherentPrimary_ = coherentPrimary_ && mesh.opacity != OPACITY_MASKED;
+        coherentShadows_ = coherentShadows_ && mesh.opacity == OPACITY_OPAQUE;
+    }
     RTCSceneFlags flags = robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE;
     root_ = rtcNewScene(device);
     rtcSetSceneFlags(root_, flags);

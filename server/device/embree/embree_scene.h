@@ -28,6 +28,11 @@ public:
     const Scene& scene() const { return *scene_; }
     const SceneView& view() const { return view_; }
 
+    /// Whether packets of camera (shadow) rays may be traced as coherent. Not where a filter function may reject their
+    /// hits: Embree 3.13.5's coherent packet traversal does not end then when instances are met.
+    bool coherentPrimary() const { return coherentPrimary_; }
+    bool coherentShadows() const { return coherentShadows_; }
+
     /// The kernel's hit from Embree's: only ids are taken.
     static Hit hitOf(uint32_t geometry, uint32_t primitive, uint32_t instance) {
         Hit hit;
@@ -43,6 +48,8 @@ private:
     std::shared_ptr<const Scene> scene_;
     SceneView view_;
     RTCScene root_ = nullptr;
+    bool coherentPrimary_ = true;
+    bool coherentShadows_ = true;
     std::vector<RTCScene> meshScenes_;  // one per mesh that is instanced, else null
 };
 

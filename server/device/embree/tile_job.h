@@ -18,6 +18,8 @@ struct TileJob {
     const SceneView* view = nullptr;
     const FrameConstants* frame = nullptr;
     TraceOptions options;
+    bool coherentPrimary = true;  // see EmbreeScene::coherentPrimary
+    bool coherentShadows = true;
     Tile tile;
     vec4* radianceSum = nullptr;  // row-major over the tile, zeroed by the caller
     uint64_t rays[static_cast<size_t>(RayKind::count)] = {};

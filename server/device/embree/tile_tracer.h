@@ -133,7 +133,8 @@ private:
 
     // Camera rays and the shadow rays at their hits go through like space together; the others don't.
     TraceMode mode() const {
-        return {secondary_ ? job_.options.secondaryWidth : job_.options.primaryWidth, !secondary_};
+        return {secondary_ ? job_.options.secondaryWidth : job_.options.primaryWidth,
+                !secondary_ && job_.coherentPrimary};
     }
 
     void traceActive() {
@@ -328,6 +329,7 @@ private:
 
     void traceShadows(ShadowQueue& queue) {
         bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0;
+        TraceMode how{mode().width, !secondary_ && job_.coherentShadows};
         if (traced) count(RayKind::shadow, queue.count);
         for (uint32_t first = 0; first < queue.count; first += PACKET) {
             RTCRay16& packet = queue.packets.data[first / PACKET];
@@ -335,7 +337,7 @@ private:
             uint32_t blocked = 0;
             uint32_t passed = 0;
             if (traced) {
-                blocked = traceOccluded(job_.rtcScene, packet, rays, mode(), passed);
+                blocked = traceOccluded(job_.rtcScene, packet, rays, how, passed);
                 passed &= ~blocked;
             }
             for (uint32_t i = 0; i < rays; i++) {
