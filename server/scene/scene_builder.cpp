@@ -21,8 +21,8 @@ struct SceneBuilder::Data : SceneDraft {};
 
 namespace {
 
-constexpr vec3 DEFAULT_SURROUNDINGS{0.35f, 0.40f, 0.50f};  // an overcast sky, radiance
-constexpr float HEADLIGHT_IRRADIANCE = 3.0f;               // white facing the camera comes out at 3 / pi
+constexpr vec3 DEFAULT_SURROUNDINGS{0.24f, 0.27f, 0.33f};  // an overcast sky, radiance
+constexpr float HEADLIGHT_IRRADIANCE = 2.0f;               // white facing the camera comes out at 2 / pi
 constexpr size_t MOST_WARNINGS = 64;
 constexpr size_t LONGEST_WARNING = 300;
 
