@@ -33,7 +33,7 @@ OpenImageIO/     scene encode
 tiny_gltf.h      scene
 tiny_obj_loader  scene
 CLI/             app main
-tbb/             scene scene/generate device/embree
+tbb/             scene scene/generate device/embree device/vulkan
 gtest/           tests
 gmock/           tests
 '
