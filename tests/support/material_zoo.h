@@ -1,0 +1,14 @@
+#pragma once
+// A scene with a body of every kind of material, baked and placed, under every kind of light.
+
+#include "server/scene/scene_builder.h"
+
+namespace heliograph::test {
+
+/// About 60 bodies on a floor in x and z from 0 to 10, y up. Every effect of the table is called for.
+std::shared_ptr<const Scene> materialZoo();
+
+/// A view of it.
+NamedCamera zooCamera();
+
+}  // namespace heliograph::test
