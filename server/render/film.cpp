@@ -38,7 +38,8 @@ void Film::reset(uvec2 resolution, uint32_t generation) {
     blockCount_ = uvec2(blocksOf(resolution.x), blocksOf(resolution.y));
     generation_ = generation;
     // The sums are not cleared: the first add of a block writes them.
-    sums_.resize(static_cast<size_t>(resolution.x) * resolution.y);
+    firstSums_.resize(static_cast<size_t>(resolution.x) * resolution.y);
+    sums_.resize(firstSums_.size());
     blocks_.assign(static_cast<size_t>(blockCount_.x) * blockCount_.y, Block{});
 }
 
@@ -91,25 +92,47 @@ void Film::release(const Tile& tile) {
     {
         std::lock_guard lock(mutex_);
         adds_--;
-        everyBlock(tile, [](Block& b) { b.busy = false; return true; });
+        everyBlock(tile, [&](Block& b) {
+            b.busy = false;
+            b.wide = tile.firstSample > 0;
+            return true;
+        });
     }
     changed_.notify_all();
+}
+
+void Film::addRow(const Block& block, bool first, const vec4* from, size_t pixel, uint32_t count) {
+    if (first) {
+        std::copy(from, from + count, &firstSums_[pixel]);
+        return;
+    }
+    glm::dvec4* to = &sums_[pixel];
+    const vec4* before = &firstSums_[pixel];
+    if (block.wide) {
+        for (uint32_t x = 0; x < count; x++) to[x] += asSum(from[x]);
+    } else {
+        for (uint32_t x = 0; x < count; x++) to[x] = asSum(before[x]) + asSum(from[x]);
+    }
 }
 
 bool Film::add(const TileResult& result) {
     if (!claim(result)) return false;
     const Tile& tile = result.tile;
-    const vec4* from = result.sums().data();
-    for (uint32_t y = 0; y < tile.size.y; y++, from += tile.size.x) {
-        glm::dvec4* to = &sums_[static_cast<size_t>(tile.origin.y + y) * resolution_.x + tile.origin.x];
-        if (tile.firstSample == 0) {
-            for (uint32_t x = 0; x < tile.size.x; x++) to[x] = asSum(from[x]);
-        } else {
-            for (uint32_t x = 0; x < tile.size.x; x++) to[x] += asSum(from[x]);
+    const vec4* from = result.radianceSum.data();
+    for (uint32_t y = tile.origin.y; y < tile.origin.y + tile.size.y; y++, from += tile.size.x) {
+        const Block* blocks = &blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x];
+        const size_t row = static_cast<size_t>(y) * resolution_.x;
+        for (uint32_t x = 0; x < tile.size.x; x += BLOCK) {
+            uint32_t column = tile.origin.x + x;
+            addRow(blocks[column / BLOCK], tile.firstSample == 0, from + x, row + column, std::min(BLOCK, tile.size.x - x));
         }
     }
     release(tile);
     return true;
+}
+
+glm::dvec4 Film::sumOf(const Block& block, size_t pixel) const {
+    return block.wide ? sums_[pixel] : asSum(firstSums_[pixel]);
 }
 
 std::vector<Tile> Film::tilesFor(uint32_t firstSample, uint32_t sampleCount, uvec2 tileSize) const {
@@ -142,15 +165,15 @@ void Film::develop(std::vector<vec4>& pixels) const {
 void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
     Reading reading(*this);
     for (uint32_t y = firstRow; y < lastRow; y++) {
-        const glm::dvec4* sums = &sums_[static_cast<size_t>(y) * resolution_.x];
+        const size_t row = static_cast<size_t>(y) * resolution_.x;
         const Block* blocks = &blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x];
         for (uint32_t block = 0; block < blockCount_.x; block++) {
-            uint32_t samples = blocks[block].samples;
-            uint32_t end = std::min((block + 1) * BLOCK, resolution_.x);
-            double scale = samples == 0 ? 0.0 : 1.0 / samples;
+            const uint32_t samples = blocks[block].samples;
+            const uint32_t end = std::min((block + 1) * BLOCK, resolution_.x);
+            const double scale = samples == 0 ? 0.0 : 1.0 / samples;
             for (uint32_t x = block * BLOCK; x < end; x++, pixels++) {
-                if (samples == 0) *pixels = vec4(0.0f);
-                else *pixels = vec4(sums[x].x * scale, sums[x].y * scale, sums[x].z * scale, static_cast<float>(samples));
+                glm::dvec4 mean = samples == 0 ? glm::dvec4(0.0) : sumOf(blocks[block], row + x) * scale;
+                *pixels = vec4(mean.x, mean.y, mean.z, static_cast<float>(samples));
             }
         }
     }
@@ -159,14 +182,14 @@ void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
 double Film::relativeError() const {
     Reading reading(*this);
     // One pixel in 16 on a slanted grid is plenty for a figure over the whole picture and keeps this off the frame's time.
-    const uint32_t step = sums_.size() > 65536 ? 16 : 1;
+    const uint32_t step = firstSums_.size() > 65536 ? 16 : 1;
     double sumOfMeans = 0.0, sumOfErrors = 0.0;
     uint64_t count = 0;
     for (uint32_t y = 0; y < resolution_.y; y++) {
         for (uint32_t x = (y * 5) % step; x < resolution_.x; x += step) {
             const Block& block = blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x + x / BLOCK];
             if (block.samples < 2) return 1.0;
-            const glm::dvec4& sum = sums_[static_cast<size_t>(y) * resolution_.x + x];
+            const glm::dvec4 sum = sumOf(block, static_cast<size_t>(y) * resolution_.x + x);
             double samples = block.samples;
             double mean = luminance(sum) / samples;
             double variance = std::max(0.0, sum.w / samples - mean * mean) * samples / (samples - 1.0);

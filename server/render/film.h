@@ -40,6 +40,7 @@ private:
     struct Block {
         uint32_t samples = 0;
         bool busy = false;  // an add writes its pixels
+        bool wide = false;  // its sums are in sums_; else in firstSums_
     };
 
     /// While one lives, nothing is added. Several may live at once.
@@ -58,15 +59,21 @@ private:
     /// Claims the tile's blocks for an add; false if they are not exactly at its first sample.
     bool claim(const TileResult& result);
     void release(const Tile& tile);
+    /// Adds one row of a block's part of a result to the sums of its pixels, from `pixel` on.
+    void addRow(const Block& block, bool first, const vec4* from, size_t pixel, uint32_t count);
+    glm::dvec4 sumOf(const Block& block, size_t pixel) const;
     template <typename Visit>
     bool everyBlock(const Tile& tile, Visit visit);
 
     uvec2 resolution_{0, 0};
     uvec2 blockCount_{0, 0};
     uint32_t generation_ = 0;
-    std::vector<glm::dvec4> sums_;  // rgb sum, squared luminance sum; meaningless where the block has no samples
+    // Sums: rgb, squared luminance; meaningless where the block has no samples. What the first add brings is a float and is
+    // kept as one: while a viewer moves there is no second, and half the memory is touched.
+    std::vector<vec4> firstSums_;
+    std::vector<glm::dvec4> sums_;
     std::vector<Block> blocks_;
-    mutable std::mutex mutex_;  // guards all but sums_, which belong to the claimed blocks or to the readers
+    mutable std::mutex mutex_;  // guards all but the sums, which belong to the claimed blocks or to the readers
     mutable std::condition_variable changed_;
     mutable uint32_t readers_ = 0;  // reading or waiting to; they go before adds
     uint32_t adds_ = 0;             // in progress
