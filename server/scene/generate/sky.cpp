@@ -29,7 +29,7 @@ vec3 skyRadiance(const SkyLook& look, vec3 d, vec2 uv) {
         const float cover = stepBetween(0.78f - 0.5f * look.clouds, 1.02f - 0.5f * look.clouds, shape) * stepBetween(0.02f, 0.25f, d.y);
         sky = glm::mix(sky, look.cloud * (0.75f + 0.5f * std::pow(towards, 4.0f)), 0.75f * cover);
     }
-    const float below = stepBetween(0.0f, -0.06f, d.y);
+    const float below = stepBetween(0.004f, -0.016f, d.y);
     const float mottle = 0.9f + 0.2f * valueNoise(uv * 64.0f, 64, look.seed);
     return glm::mix(sky, look.ground * mottle, below);
 }

@@ -196,14 +196,14 @@ SurfaceImages paintMarbleChequer(const std::string& name, vec3 light, vec3 dark,
         const Stone square = stoneAt(uv, 4, 4, 0.0f);
         const bool white = (square.column + square.row) % 2 == 0;
         const float turn = hash01(square.column, square.row, seed);
-        const vec2 warp = vec2(fractalNoise(uv * 6.0f, 6, 4, seed + 1), fractalNoise(uv * 6.0f, 6, 4, seed + 2)) - 0.5f;
+        const vec2 warp = vec2(fractalNoise(uv * 6.0f, 6, 2, seed + 1), fractalNoise(uv * 6.0f, 6, 3, seed + 2)) - 0.5f;
         const vec2 along = turn < 0.5f ? vec2(uv.x, uv.y) : vec2(-uv.y, uv.x);
         const float wave = (along.x + along.y) * 8.0f + turn * 5.0f + 5.0f * warp.x;
         const float vein = 1.0f - std::abs(2.0f * fraction(wave) - 1.0f);
         const float fine = 1.0f - std::abs(2.0f * fraction(wave * 2.0f + 4.0f * warp.y) - 1.0f);
         const float lines = 0.7f * stepBetween(0.86f, 1.0f, vein) + 0.35f * stepBetween(0.80f, 1.0f, fine);
         const float cloud = fractalNoise(uv * 10.0f, 10, 4, seed + 3);
-        const vec3 color = white ? light * (0.90f + 0.12f * cloud - 0.20f * lines) : dark * (0.80f + 0.4f * cloud) + vec3(0.32f) * lines;
+        const vec3 color = white ? light * (0.90f + 0.12f * cloud - 0.16f * lines) : dark * (0.80f + 0.4f * cloud) + vec3(0.20f) * lines * lines;
         const float face = stepBetween(0.0008f, 0.0020f, square.joint);
         return SurfacePoint{glm::mix(vec3(0.22f, 0.20f, 0.18f), color, face), 0.0f};
     });
