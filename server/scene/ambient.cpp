@@ -15,7 +15,8 @@ namespace {
 using glm::dvec3;
 constexpr double PI = std::numbers::pi;
 
-// What a column's radiance is multiplied by: integrals over the texel's azimuth phi of 1, cos, sin, cos^2, sin^2, sin cos.
+// What a column's radiance is multiplied by: integrals over the texel's azimuth phi of 1, cos, sin, cos^2, sin^2, sin
+// cos.
 enum Azimuth { ONE, COS, SIN, COS2, SIN2, SIN_COS, AZIMUTHS };
 using AzimuthWeights = std::array<double, AZIMUTHS>;
 using RowSums = std::array<dvec3, AZIMUTHS>;

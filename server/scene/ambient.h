@@ -5,9 +5,9 @@
 
 namespace heliograph {
 
-/// Fills environment.color (mean radiance) and environment.ambient for a lat-long image. Each texel counts with its exact
-/// solid angle; sums are in double. Ramamoorthi & Hanrahan, "An Efficient Representation for Irradiance Environment Maps"
-/// (2001). Uses environment.intensity and environment.rotation.
+/// Fills environment.color (mean radiance) and environment.ambient for a lat-long image. Each texel counts with its
+/// exact solid angle; sums are in double. Ramamoorthi & Hanrahan, "An Efficient Representation for Irradiance
+/// Environment Maps" (2001). Uses environment.intensity and environment.rotation.
 void ambientFromImage(Environment& environment, const ImageData& image);
 
 /// The same for one colour from everywhere.

@@ -61,8 +61,8 @@ Nearest traceAll(const Scene& scene, dvec3 origin, dvec3 direction) {
     return nearest;
 }
 
-/// How many of RAYS rays meet a surface that faces their origin: from the middle outwards, around the horizon and below (a
-/// courtyard has no roof), or from outside to the middle.
+/// How many of RAYS rays meet a surface that faces their origin: from the middle outwards, around the horizon and below
+/// (a courtyard has no roof), or from outside to the middle.
 constexpr int RAYS = 20;
 int facingSurfaces(const Scene& scene, dvec3 center, bool fromOutside) {
     const double far = 4.0 * scene.bounds.radius();

@@ -29,7 +29,9 @@ std::array<int8_t, 256> base64Table() {
 }
 
 /// For messages: one line, not too long.
-std::string shown(const std::string& text) { return "'" + text.substr(0, 120) + (text.size() > 120 ? "..." : "") + "'"; }
+std::string shown(const std::string& text) {
+    return "'" + text.substr(0, 120) + (text.size() > 120 ? "..." : "") + "'";
+}
 
 bool isInside(const fs::path& path, const fs::path& folder) {
     return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
@@ -51,7 +53,8 @@ std::vector<uint8_t> readFile(const fs::path& path, uint64_t mostBytes) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
     if (!file) throw InputError(path.string(), "the file cannot be opened");
     std::vector<uint8_t> bytes(size);
-    if (std::fread(bytes.data(), 1, size, file.get()) != size) throw InputError(path.string(), "the file cannot be read");
+    if (std::fread(bytes.data(), 1, size, file.get()) != size)
+        throw InputError(path.string(), "the file cannot be read");
     return bytes;
 }
 
@@ -62,7 +65,9 @@ std::string percentDecoded(std::string_view text, const std::string& where) {
         if (c == '%') {
             const int high = i + 2 < text.size() ? hexDigit(text[i + 1]) : -1;
             const int low = i + 2 < text.size() ? hexDigit(text[i + 2]) : -1;
-            if (high < 0 || low < 0) throw InputError(where, "broken escape in " + shown(std::string(text.substr(0, 200))), "% and two hexadecimal digits");
+            if (high < 0 || low < 0)
+                throw InputError(where, "broken escape in " + shown(std::string(text.substr(0, 200))),
+                                 "% and two hexadecimal digits");
             c = static_cast<char>(high * 16 + low);
             i += 2;
         }

@@ -26,8 +26,8 @@ class FileFolder {
 public:
     explicit FileFolder(const std::filesystem::path& sceneFile);
 
-    /// Path of the file that a relative reference means ('/' separates). Throws InputError naming `where` for an absolute
-    /// path, a scheme, "..", a NUL, a missing file, or a file that lies outside after all.
+    /// Path of the file that a relative reference means ('/' separates). Throws InputError naming `where` for an
+    /// absolute path, a scheme, "..", a NUL, a missing file, or a file that lies outside after all.
     std::filesystem::path resolve(const std::string& reference, const std::string& where) const;
 
 private:

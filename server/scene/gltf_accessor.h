@@ -1,5 +1,6 @@
 #pragma once
-// Typed reading of glTF accessors: every component type, normalised integers, strides, sparse overlays. Private to server/scene.
+// Typed reading of glTF accessors: every component type, normalised integers, strides, sparse overlays. Private to
+// server/scene.
 
 #include "server/scene/gltf_document.h"
 
@@ -22,8 +23,8 @@ public:
     bool normalized() const { return accessor_.normalized; }
     bool isMatrix() const;
 
-    /// Writes min(components(), wanted) components of element `index` as float. Integers are scaled to [0, 1] or [-1, 1] if
-    /// the accessor is normalised or `alwaysNormalized`.
+    /// Writes min(components(), wanted) components of element `index` as float. Integers are scaled to [0, 1] or [-1,
+    /// 1] if the accessor is normalised or `alwaysNormalized`.
     void readFloats(size_t index, int wanted, bool alwaysNormalized, float* out) const;
     /// All components of element `index` as stored: integers are not scaled.
     void readStored(size_t index, float* out) const;

@@ -1,5 +1,5 @@
-// tinygltf turns checked JSON into structs. It opens no file, decodes no base64 and reads no GLB here: its own code for these
-// checks too little (its issues 363, 364, 372).
+// tinygltf turns checked JSON into structs. It opens no file, decodes no base64 and reads no GLB here: its own code for
+// these checks too little (its issues 363, 364, 372).
 #include "server/scene/gltf_rules.h"
 
 #include <fstream>  // tiny_gltf.h needs it and does not say so
@@ -13,6 +13,7 @@
 #include "server/scene/gltf_accessor.h"
 
 #include <cstring>
+#include <map>
 
 namespace heliograph {
 
@@ -44,26 +45,34 @@ Parts splitFile(ByteSpan bytes, const std::string& file, std::vector<std::string
         return parts;
     }
     parts.isBinary = true;
-    if (bytes.size() < 12) throw InputError(file, "the GLB header is cut off after " + std::to_string(bytes.size()) + " bytes", "12 bytes");
+    if (bytes.size() < 12)
+        throw InputError(file, "the GLB header is cut off after " + std::to_string(bytes.size()) + " bytes",
+                         "12 bytes");
     if (wordAt(bytes, 4) != 2) throw InputError(file, "GLB version " + std::to_string(wordAt(bytes, 4)), "2");
     const uint64_t length = wordAt(bytes, 8);
     if (length < 12 || length > bytes.size()) {
-        throw InputError(file, "GLB length " + std::to_string(length) + " in a file of " + std::to_string(bytes.size()) + " bytes", "the file's size");
+        throw InputError(
+            file, "GLB length " + std::to_string(length) + " in a file of " + std::to_string(bytes.size()) + " bytes",
+            "the file's size");
     }
-    if (length < bytes.size()) warnings.push_back(std::to_string(bytes.size() - length) + " bytes after the GLB's end were ignored");
+    if (length < bytes.size())
+        warnings.push_back(std::to_string(bytes.size() - length) + " bytes after the GLB's end were ignored");
     size_t chunk = 0;
     for (uint64_t at = 12; at < length; chunk++) {
         if (at + 8 > length) throw InputError(file, "a chunk header is cut off at byte " + std::to_string(at));
         const uint64_t size = wordAt(bytes, at);
         const uint32_t type = wordAt(bytes, at + 4);
         at += 8;
-        if (at + size > length) throw InputError(file, "chunk " + std::to_string(chunk) + " of " + std::to_string(size) + " bytes is cut off");
+        if (at + size > length)
+            throw InputError(file,
+                             "chunk " + std::to_string(chunk) + " of " + std::to_string(size) + " bytes is cut off");
         const ByteSpan content = bytes.subspan(at, size);
         constexpr uint32_t JSON = 0x4e4f534a, BIN = 0x004e4942;
         if (chunk == 0 && type != JSON) throw InputError(file, "the first chunk is not JSON");
         if (chunk == 0) parts.json = content;
         else if (type == BIN && chunk == 1) parts.binary = content;
-        else if (type == BIN || type == JSON) throw InputError(file, "chunk " + std::to_string(chunk) + " is out of place", "JSON first, then BIN");
+        else if (type == BIN || type == JSON)
+            throw InputError(file, "chunk " + std::to_string(chunk) + " is out of place", "JSON first, then BIN");
         else warnings.push_back("an unknown GLB chunk was ignored");
         at += size;
     }
@@ -130,11 +139,11 @@ public:
                 continue;
             }
             if (bytes.size() < length) {
-                throw InputError(document_.at(at + "/byteLength"), std::to_string(length) + " for " + std::to_string(bytes.size()) + " bytes",
+                throw InputError(document_.at(at + "/byteLength"),
+                                 std::to_string(length) + " for " + std::to_string(bytes.size()) + " bytes",
                                  "at most the bytes that are there");
             }
             document_.buffers.push_back(bytes.first(length));
-            document_.sourceBytes += length;
             i++;
         }
     }
@@ -173,7 +182,8 @@ private:
         std::vector<uint8_t> bytes;
         if (uri.rfind("data:", 0) == 0) {
             const size_t comma = uri.find(',');
-            if (comma == std::string::npos) throw InputError(document_.at(at), "a data URI without data", "data:<type>;base64,<data>");
+            if (comma == std::string::npos)
+                throw InputError(document_.at(at), "a data URI without data", "data:<type>;base64,<data>");
             const std::string head = uri.substr(0, std::min(comma, size_t(200)));
             const std::string_view data = std::string_view(uri).substr(comma + 1);
             if (head.size() >= 7 && head.compare(head.size() - 7, 7, ";base64") == 0) {
@@ -182,13 +192,19 @@ private:
                 const std::string plain = percentDecoded(data, document_.at(at));
                 bytes.assign(plain.begin(), plain.end());
             }
-            if (isBuffer && head != "data:application/octet-stream;base64" && head != "data:application/gltf-buffer;base64")
+            if (isBuffer && head != "data:application/octet-stream;base64" &&
+                head != "data:application/gltf-buffer;base64")
                 document_.warnings.push_back(at + ": media type '" + head.substr(5, 60) + "' of a buffer");
         } else {
             const std::filesystem::path path = folder_.resolve(percentDecoded(uri, document_.at(at)), document_.at(at));
+            const auto known = files_.find(path);
+            if (known != files_.end()) return known->second;
             bytes = readFile(path);
             total_ += bytes.size();
             if (total_ > 2 * MOST_FILE_BYTES) throw InputError(document_.at(at), "more than 4 GiB in all", "at most 4 GiB");
+            document_.sourceBytes += bytes.size();
+            document_.storage.push_back(std::move(bytes));
+            return files_[path] = document_.storage.back();
         }
         document_.storage.push_back(std::move(bytes));
         return document_.storage.back();
@@ -197,7 +213,8 @@ private:
     GltfDocument& document_;
     FileFolder folder_;
     const Parts& parts_;
-    uint64_t total_ = 0;
+    std::map<std::filesystem::path, ByteSpan> files_;  // each is read once
+    uint64_t total_ = 0;                               // bytes of them
 };
 
 /// Buffer views end inside their buffers.

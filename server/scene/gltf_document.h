@@ -1,5 +1,6 @@
 #pragma once
-// A glTF file read and checked: the parsed model, the bytes of its buffers and where its images are. Private to server/scene.
+// A glTF file read and checked: the parsed model, the bytes of its buffers and where its images are. Private to
+// server/scene.
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -23,15 +24,15 @@ struct GltfImage {
     std::string fault;
 };
 
-/// Every index in `model` is in range, every buffer view lies inside its buffer, every accessor inside its view, and the nodes
-/// form a forest. tinygltf's own buffers and images are empty: the bytes are in `buffers` and `images`.
+/// Every index in `model` is in range, every buffer view lies inside its buffer, every accessor inside its view, and
+/// the nodes form a forest. tinygltf's own buffers and images are empty: the bytes are in `buffers` and `images`.
 struct GltfDocument {
     std::string file;
     tinygltf::Model model;
     std::vector<ByteSpan> buffers;
     std::vector<GltfImage> images;
     std::vector<std::string> warnings;
-    uint64_t sourceBytes = 0;  // of the file and all its buffers
+    uint64_t sourceBytes = 0;  // of the file and what it refers to, each once
 
     /// Bytes of a buffer view.
     ByteSpan view(int bufferView) const;

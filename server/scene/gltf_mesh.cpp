@@ -29,7 +29,8 @@ std::vector<uvec3> assemble(const std::vector<uint32_t>& c, int mode) {
 }
 
 template <typename V>
-void readAll(const GltfAccessor& accessor, const std::vector<uint32_t>& vertices, bool normalized, V fill, std::vector<V>& out) {
+void readAll(const GltfAccessor& accessor, const std::vector<uint32_t>& vertices, bool normalized, V fill,
+             std::vector<V>& out) {
     out.assign(vertices.size(), fill);
     for (size_t i = 0; i < vertices.size(); i++) accessor.readFloats(vertices[i], V::length(), normalized, &out[i][0]);
 }
@@ -67,7 +68,8 @@ void GltfMeshReader::account(uint64_t elements, const std::string& pointer) {
     }
 }
 
-std::vector<uint32_t> GltfMeshReader::cornersOf(const tinygltf::Primitive& primitive, size_t vertexCount, const std::string& pointer) {
+std::vector<uint32_t> GltfMeshReader::cornersOf(const tinygltf::Primitive& primitive, size_t vertexCount,
+                                                const std::string& pointer) {
     std::vector<uint32_t> corners;
     if (primitive.indices < 0) {
         account(vertexCount, pointer);
@@ -77,10 +79,11 @@ std::vector<uint32_t> GltfMeshReader::cornersOf(const tinygltf::Primitive& primi
     }
     const GltfAccessor accessor(document_, primitive.indices);
     const int type = accessor.componentType();
-    const bool isIndex = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-                         type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    const bool isIndex = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                         type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
     if (accessor.components() != 1 || !isIndex || accessor.normalized()) {
-        throw InputError(document_.at(pointer + "/indices"), std::to_string(accessor.components()) + " components of type " + std::to_string(type),
+        throw InputError(document_.at(pointer + "/indices"),
+                         std::to_string(accessor.components()) + " components of type " + std::to_string(type),
                          "one component of type 5121, 5123 or 5125, not normalized");
     }
     account(accessor.count(), pointer);
@@ -92,7 +95,8 @@ std::vector<uint32_t> GltfMeshReader::cornersOf(const tinygltf::Primitive& primi
     return corners;
 }
 
-MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::vector<double>& weights, const std::string& pointer) {
+MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::vector<double>& weights,
+                              const std::string& pointer) {
     MeshData mesh;
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode < TINYGLTF_MODE_TRIANGLES) {
@@ -118,7 +122,8 @@ MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::v
     account(vertices.size(), pointer);
     for (uint32_t& corner : corners) {
         if (corner != NO_INDEX)
-            corner = static_cast<uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) - vertices.begin());
+            corner =
+                static_cast<uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) - vertices.begin());
     }
     mesh.indices = assemble(corners, mode);
     if (!primitive.attributes.count("NORMAL")) {
@@ -136,12 +141,14 @@ MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::v
     }
     readAttributes(primitive, vertices, mesh, pointer);
     const tinygltf::Accessor& bounds = document_.model.accessors[static_cast<size_t>(position->second)];
-    if (bounds.minValues.size() != 3 || bounds.maxValues.size() != 3) builder_.warn(pointer + ": POSITION has no min and max");
+    if (bounds.minValues.size() != 3 || bounds.maxValues.size() != 3)
+        builder_.warn(pointer + ": POSITION has no min and max");
     applyMorphs(primitive, weights, vertices, mesh);
     return mesh;
 }
 
-void GltfMeshReader::readAttributes(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices, MeshData& mesh, const std::string& pointer) {
+void GltfMeshReader::readAttributes(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices,
+                                    MeshData& mesh, const std::string& pointer) {
     const size_t count = GltfAccessor(document_, primitive.attributes.at("POSITION")).count();
     const auto read = [&](const AttributeRule& rule, auto fill, auto& out) {
         const auto found = primitive.attributes.find(rule.name);
@@ -149,9 +156,11 @@ void GltfMeshReader::readAttributes(const tinygltf::Primitive& primitive, const 
         const GltfAccessor accessor(document_, found->second);
         const std::string where = document_.at(pointer + "/attributes/" + rule.name);
         if (accessor.components() < rule.fewest || accessor.components() > rule.most || accessor.isMatrix())
-            throw InputError(where, std::to_string(accessor.components()) + " components", std::to_string(rule.fewest) + " to " + std::to_string(rule.most));
+            throw InputError(where, std::to_string(accessor.components()) + " components",
+                             std::to_string(rule.fewest) + " to " + std::to_string(rule.most));
         if (accessor.count() != count)
-            throw InputError(where, std::to_string(accessor.count()) + " elements", std::to_string(count) + ", as POSITION has");
+            throw InputError(where, std::to_string(accessor.count()) + " elements",
+                             std::to_string(count) + ", as POSITION has");
         readAll(accessor, vertices, rule.alwaysNormalized, fill, out);
     };
     read(POSITION, vec3(0.0f), mesh.positions);
@@ -164,11 +173,13 @@ void GltfMeshReader::readAttributes(const tinygltf::Primitive& primitive, const 
     for (const auto& [name, accessor] : primitive.attributes) {
         if (knownAttribute(name)) continue;
         const bool skin = name.rfind("JOINTS_", 0) == 0 || name.rfind("WEIGHTS_", 0) == 0;
-        builder_.warn(skin ? "skins are not played: the scene is shown at rest" : "attribute " + name.substr(0, 40) + " is not drawn");
+        builder_.warn(skin ? "skins are not played: the scene is shown at rest"
+                           : "attribute " + name.substr(0, 40) + " is not drawn");
     }
 }
 
-void GltfMeshReader::applyMorphs(const tinygltf::Primitive& primitive, const std::vector<double>& weights, const std::vector<uint32_t>& vertices, MeshData& mesh) {
+void GltfMeshReader::applyMorphs(const tinygltf::Primitive& primitive, const std::vector<double>& weights,
+                                 const std::vector<uint32_t>& vertices, MeshData& mesh) {
     if (primitive.targets.empty()) return;
     builder_.warn("morph targets are not played: the scene is shown at rest");
     const size_t count = GltfAccessor(document_, primitive.attributes.at("POSITION")).count();
@@ -188,7 +199,8 @@ void GltfMeshReader::applyMorphs(const tinygltf::Primitive& primitive, const std
         }
     };
     if (!weights.empty() && weights.size() != primitive.targets.size())
-        builder_.warn("a mesh has " + std::to_string(weights.size()) + " weights for " + std::to_string(primitive.targets.size()) + " morph targets");
+        builder_.warn("a mesh has " + std::to_string(weights.size()) + " weights for " +
+                      std::to_string(primitive.targets.size()) + " morph targets");
     for (size_t i = 0; i < primitive.targets.size() && i < weights.size(); i++) {
         if (weights[i] == 0.0) continue;
         account(vertices.size(), "/meshes");

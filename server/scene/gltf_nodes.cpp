@@ -42,9 +42,11 @@ dmat4 localTransform(const tinygltf::Node& node) {
     }
     dvec3 translation(0.0), scale(1.0);
     dquat rotation(1.0, 0.0, 0.0, 0.0);
-    if (node.translation.size() == 3) translation = dvec3(node.translation[0], node.translation[1], node.translation[2]);
+    if (node.translation.size() == 3)
+        translation = dvec3(node.translation[0], node.translation[1], node.translation[2]);
     if (node.scale.size() == 3) scale = dvec3(node.scale[0], node.scale[1], node.scale[2]);
-    if (node.rotation.size() == 4) rotation = dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    if (node.rotation.size() == 4)
+        rotation = dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
     return composed(translation, rotation, scale);
 }
 
@@ -56,11 +58,20 @@ vec3 direction(const dmat4& m, int column, double sign) {
 
 class NodeWalker {
 public:
-    NodeWalker(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder, const Progress& progress)
-        : document_(document), materials_(materials), builder_(builder), progress_(progress), reader_(document, builder) {}
+    NodeWalker(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder,
+               const Progress& progress)
+        : document_(document),
+          materials_(materials),
+          builder_(builder),
+          progress_(progress),
+          reader_(document, builder) {}
 
     void walk() {
-        struct Step { int node; dmat4 toWorld; int depth; };
+        struct Step {
+            int node;
+            dmat4 toWorld;
+            int depth;
+        };
         std::vector<Step> steps;
         const std::vector<int> roots = rootNodes();
         for (size_t i = roots.size(); i-- > 0;) steps.push_back({roots[i], dmat4(1.0), 0});
@@ -68,11 +79,14 @@ public:
         while (!steps.empty()) {
             const Step step = steps.back();
             steps.pop_back();
-            if (step.depth > DEEPEST_TREE) throw InputError(document_.at(pointerOf(step.node)), "the node tree is deeper than " + std::to_string(DEEPEST_TREE));
+            if (step.depth > DEEPEST_TREE)
+                throw InputError(document_.at(pointerOf(step.node)),
+                                 "the node tree is deeper than " + std::to_string(DEEPEST_TREE));
             const tinygltf::Node& node = document_.model.nodes[static_cast<size_t>(step.node)];
             const dmat4 toWorld = step.toWorld * localTransform(node);
             place(node, step.node, toWorld);
-            for (size_t i = node.children.size(); i-- > 0;) steps.push_back({node.children[i], toWorld, step.depth + 1});
+            for (size_t i = node.children.size(); i-- > 0;)
+                steps.push_back({node.children[i], toWorld, step.depth + 1});
             report(progress_, "nodes", double(++visited) / double(document_.model.nodes.size()));
         }
         std::set<int> drawn;
@@ -87,7 +101,8 @@ private:
     /// The default scene's roots; without scenes every node that is nobody's child.
     std::vector<int> rootNodes() const {
         const tinygltf::Model& model = document_.model;
-        if (!model.scenes.empty()) return model.scenes[model.defaultScene >= 0 ? static_cast<size_t>(model.defaultScene) : 0].nodes;
+        if (!model.scenes.empty())
+            return model.scenes[model.defaultScene >= 0 ? static_cast<size_t>(model.defaultScene) : 0].nodes;
         if (!model.nodes.empty()) builder_.warn("the file has no scene: all its nodes are shown");
         std::vector<bool> isChild(model.nodes.size(), false);
         for (const tinygltf::Node& node : model.nodes) {
@@ -110,9 +125,12 @@ private:
     void placeMesh(const tinygltf::Node& node, int index, const dmat4& toWorld) {
         const std::vector<uint32_t>& parts = meshParts(node);
         const auto crowd = node.extensions.find("EXT_mesh_gpu_instancing");
-        const std::vector<dmat4> copies = crowd == node.extensions.end() ? std::vector<dmat4>{dmat4(1.0)} : instanceTransforms(crowd->second, index);
+        const std::vector<dmat4> copies =
+            crowd == node.extensions.end() ? std::vector<dmat4>{dmat4(1.0)} : instanceTransforms(crowd->second, index);
         instances_ += copies.size() * parts.size();
-        if (instances_ > MOST_INSTANCES) throw InputError(document_.at(pointerOf(index)), "more than " + std::to_string(MOST_INSTANCES) + " instances");
+        if (instances_ > MOST_INSTANCES)
+            throw InputError(document_.at(pointerOf(index)),
+                             "more than " + std::to_string(MOST_INSTANCES) + " instances");
         for (const dmat4& copy : copies) {
             for (uint32_t part : parts) builder_.addInstance(part, mat4(toWorld * copy));
         }
@@ -130,7 +148,8 @@ private:
             MeshData data = reader_.read(primitive, weights, pointer);
             if (data.indices.empty()) continue;
             warnMissingSets(primitive, data, pointer);
-            const size_t material = primitive.material >= 0 ? static_cast<size_t>(primitive.material) : materials_.size() - 1;
+            const size_t material =
+                primitive.material >= 0 ? static_cast<size_t>(primitive.material) : materials_.size() - 1;
             data.materials.assign(data.indices.size(), materials_[material]);
             found->second.push_back(builder_.addMesh(std::move(data)));
         }
@@ -143,7 +162,9 @@ private:
         const auto check = [&](const TextureUse& use) {
             if (use.index < 0 || use.texCoord > 1) return;
             const bool missing = use.texCoord == 1 ? data.uv1.empty() : data.uv0.empty();
-            if (missing) builder_.warn(pointer + " has no TEXCOORD_" + std::to_string(use.texCoord) + " for its material's texture");
+            if (missing)
+                builder_.warn(pointer + " has no TEXCOORD_" + std::to_string(use.texCoord) +
+                              " for its material's texture");
         };
         check(TextureUse(m.pbrMetallicRoughness.baseColorTexture));
         check(TextureUse(m.pbrMetallicRoughness.metallicRoughnessTexture));
@@ -153,7 +174,11 @@ private:
 
     /// EXT_mesh_gpu_instancing: one transform per element of the attributes.
     std::vector<dmat4> instanceTransforms(const tinygltf::Value& extension, int node) {
-        struct Attribute { const char* name; int components; std::unique_ptr<GltfAccessor> accessor; };
+        struct Attribute {
+            const char* name;
+            int components;
+            std::unique_ptr<GltfAccessor> accessor;
+        };
         Attribute attributes[] = {{"TRANSLATION", 3, nullptr}, {"ROTATION", 4, nullptr}, {"SCALE", 3, nullptr}};
         const std::string where = document_.at(pointerOf(node) + "/extensions/EXT_mesh_gpu_instancing/attributes");
         size_t count = 0;
@@ -162,12 +187,16 @@ private:
             if (index < 0) continue;
             attribute.accessor = std::make_unique<GltfAccessor>(document_, index);
             if (attribute.accessor->components() != attribute.components || attribute.accessor->isMatrix())
-                throw InputError(where + "/" + attribute.name, std::to_string(attribute.accessor->components()) + " components", std::to_string(attribute.components));
+                throw InputError(where + "/" + attribute.name,
+                                 std::to_string(attribute.accessor->components()) + " components",
+                                 std::to_string(attribute.components));
             if (count != 0 && attribute.accessor->count() != count)
-                throw InputError(where + "/" + attribute.name, std::to_string(attribute.accessor->count()) + " elements", std::to_string(count));
+                throw InputError(where + "/" + attribute.name,
+                                 std::to_string(attribute.accessor->count()) + " elements", std::to_string(count));
             count = attribute.accessor->count();
         }
-        if (count > MOST_INSTANCES) throw InputError(where, std::to_string(count) + " instances", "at most " + std::to_string(MOST_INSTANCES));
+        if (count > MOST_INSTANCES)
+            throw InputError(where, std::to_string(count) + " instances", "at most " + std::to_string(MOST_INSTANCES));
         std::vector<dmat4> transforms(count);
         for (size_t i = 0; i < count; i++) {
             vec3 translation(0.0f), scale(1.0f);
@@ -175,7 +204,8 @@ private:
             if (attributes[0].accessor) attributes[0].accessor->readFloats(i, 3, false, &translation[0]);
             if (attributes[1].accessor) attributes[1].accessor->readFloats(i, 4, true, &rotation[0]);
             if (attributes[2].accessor) attributes[2].accessor->readFloats(i, 3, false, &scale[0]);
-            transforms[i] = composed(dvec3(translation), dquat(rotation.w, rotation.x, rotation.y, rotation.z), dvec3(scale));
+            transforms[i] =
+                composed(dvec3(translation), dquat(rotation.w, rotation.x, rotation.y, rotation.z), dvec3(scale));
         }
         return transforms;
     }
@@ -183,11 +213,14 @@ private:
     void placeCamera(const tinygltf::Node& node, const dmat4& toWorld) {
         const tinygltf::Camera& from = document_.model.cameras[static_cast<size_t>(node.camera)];
         if (from.type != "perspective") {
-            builder_.warn("camera '" + from.name + "' of type '" + from.type.substr(0, 40) + "' is not offered: only perspective ones are");
+            builder_.warn("camera '" + from.name + "' of type '" + from.type.substr(0, 40) +
+                          "' is not offered: only perspective ones are");
             return;
         }
         NamedCamera camera;
-        camera.name = !from.name.empty() ? from.name : !node.name.empty() ? node.name : "camera " + std::to_string(++cameras_);
+        camera.name = !from.name.empty()   ? from.name
+                      : !node.name.empty() ? node.name
+                                           : "camera " + std::to_string(++cameras_);
         camera.position = vec3(toWorld[3]);
         camera.forward = direction(toWorld, 2, -1.0);
         camera.up = direction(toWorld, 1, 1.0);
@@ -200,14 +233,17 @@ private:
         if (index < 0.0) return;
         const std::string where = document_.at(pointerOf(node) + "/extensions/KHR_lights_punctual/light");
         if (!(index < double(document_.model.lights.size())))
-            throw InputError(where, std::to_string(index), "an index below " + std::to_string(document_.model.lights.size()));
+            throw InputError(where, std::to_string(index),
+                             "an index below " + std::to_string(document_.model.lights.size()));
         const tinygltf::Light& from = document_.model.lights[static_cast<size_t>(index)];
         Light light{};
         light.position = vec3(toWorld[3]);
         light.direction = direction(toWorld, 2, -1.0);
         light.range = static_cast<float>(from.range);
         light.cosInner = 1.0f;
-        for (int i = 0; i < 3; i++) light.intensity[i] = static_cast<float>((from.color.size() == 3 ? from.color[static_cast<size_t>(i)] : 1.0) * from.intensity);
+        for (int i = 0; i < 3; i++)
+            light.intensity[i] = static_cast<float>(
+                (from.color.size() == 3 ? from.color[static_cast<size_t>(i)] : 1.0) * from.intensity);
         if (from.type == "directional") {
             light.type = LIGHT_DIRECTIONAL;
         } else if (from.type == "point") {
@@ -235,7 +271,8 @@ private:
 
 }  // namespace
 
-void addGltfNodes(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder, const Progress& progress) {
+void addGltfNodes(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder,
+                  const Progress& progress) {
     NodeWalker(document, materials, builder, progress).walk();
 }
 

@@ -6,8 +6,9 @@
 
 namespace heliograph {
 
-/// `materials`: the builder's index per material of the document, the default one last. Throws InputError for trees deeper
-/// than 4096 and for more than 500,000 instances.
-void addGltfNodes(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder, const Progress& progress);
+/// `materials`: the builder's index per material of the document, the default one last. Throws InputError for trees
+/// deeper than 4096 and for more than 500,000 instances.
+void addGltfNodes(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder,
+                  const Progress& progress);
 
 }  // namespace heliograph

@@ -1,6 +1,7 @@
 #include "server/scene/gltf_rules.h"
 
 #include "server/base/error.h"
+#include "server/scene/gltf_rule_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,151 +13,6 @@ using nlohmann::json;
 
 namespace {
 
-// Khronos, "glTF 2.0 Specification" (2021), chapter 5 and appendix of each extension.
-constexpr JsonRule RULES[] = {
-    {"root", "asset", Is::object, -ANY, ANY, "asset", true},
-    {"root", "scene", Is::index, 0, ANY, "scenes"},
-    {"root", "scenes", Is::list, -ANY, ANY, "scene"},
-    {"root", "nodes", Is::list, -ANY, ANY, "node"},
-    {"root", "meshes", Is::list, -ANY, ANY, "mesh"},
-    {"root", "materials", Is::list, -ANY, ANY, "material"},
-    {"root", "textures", Is::list, -ANY, ANY, "texture"},
-    {"root", "images", Is::list, -ANY, ANY, "image"},
-    {"root", "samplers", Is::list, -ANY, ANY, "sampler"},
-    {"root", "accessors", Is::list, -ANY, ANY, "accessor"},
-    {"root", "bufferViews", Is::list, -ANY, ANY, "bufferView"},
-    {"root", "buffers", Is::list, -ANY, ANY, "buffer"},
-    {"root", "cameras", Is::list, -ANY, ANY, "camera"},
-    {"root", "skins", Is::list, -ANY, ANY, "skin"},
-    {"root", "animations", Is::list, -ANY, ANY, "animation"},
-    {"asset", "version", Is::text, 0, 0, "", true},
-    {"asset", "minVersion", Is::text},
-    {"scene", "nodes", Is::wholes, 0, ANY, "nodes"},
-    {"scene", "name", Is::text},
-    {"node", "mesh", Is::index, 0, ANY, "meshes"},
-    {"node", "camera", Is::index, 0, ANY, "cameras"},
-    {"node", "skin", Is::index, 0, ANY, "skins"},
-    {"node", "children", Is::wholes, 0, ANY, "nodes"},
-    {"node", "matrix", Is::numbers, 16, 16},
-    {"node", "rotation", Is::numbers, 4, 4},
-    {"node", "scale", Is::numbers, 3, 3},
-    {"node", "translation", Is::numbers, 3, 3},
-    {"node", "weights", Is::numbers},
-    {"node", "name", Is::text},
-    {"mesh", "primitives", Is::list, -ANY, ANY, "primitive", true},
-    {"mesh", "weights", Is::numbers},
-    {"mesh", "name", Is::text},
-    {"primitive", "attributes", Is::indexMap, 0, ANY, "accessors", true},
-    {"primitive", "indices", Is::index, 0, ANY, "accessors"},
-    {"primitive", "material", Is::index, 0, ANY, "materials"},
-    {"primitive", "mode", Is::whole, 0, 6},
-    {"primitive", "targets", Is::list, -ANY, ANY, "target"},
-    {"material", "name", Is::text},
-    {"material", "pbrMetallicRoughness", Is::object, -ANY, ANY, "pbr"},
-    {"material", "normalTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"material", "occlusionTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"material", "emissiveTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"material", "emissiveFactor", Is::numbers, 3, 3},
-    {"material", "alphaMode", Is::text},
-    {"material", "alphaCutoff", Is::number, 0},
-    {"material", "doubleSided", Is::boolean},
-    {"pbr", "baseColorFactor", Is::numbers, 4, 4},
-    {"pbr", "baseColorTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"pbr", "metallicRoughnessTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"pbr", "metallicFactor", Is::number, 0, 1},
-    {"pbr", "roughnessFactor", Is::number, 0, 1},
-    {"textureInfo", "index", Is::index, 0, ANY, "textures", true},
-    {"textureInfo", "texCoord", Is::whole, 0, 1024},
-    {"textureInfo", "scale", Is::number},
-    {"textureInfo", "strength", Is::number, 0, 1},
-    {"texture", "source", Is::index, 0, ANY, "images"},
-    {"texture", "sampler", Is::index, 0, ANY, "samplers"},
-    {"image", "uri", Is::text},
-    {"image", "mimeType", Is::text},
-    {"image", "bufferView", Is::index, 0, ANY, "bufferViews"},
-    {"sampler", "magFilter", Is::whole, 9728, 9729},
-    {"sampler", "minFilter", Is::whole, 9728, 9987},
-    {"sampler", "wrapS", Is::whole, 10497, 33648},
-    {"sampler", "wrapT", Is::whole, 10497, 33648},
-    {"accessor", "bufferView", Is::index, 0, ANY, "bufferViews"},
-    {"accessor", "byteOffset", Is::whole, 0, 9e15},
-    {"accessor", "componentType", Is::whole, 5120, 5126, "", true},
-    {"accessor", "normalized", Is::boolean},
-    {"accessor", "count", Is::whole, 1, 9e15, "", true},
-    {"accessor", "type", Is::text, 0, 0, "", true},
-    {"accessor", "min", Is::numbers, 1, 16},
-    {"accessor", "max", Is::numbers, 1, 16},
-    {"accessor", "sparse", Is::object, -ANY, ANY, "sparse"},
-    {"sparse", "count", Is::whole, 1, 2147483647, "", true},
-    {"sparse", "indices", Is::object, -ANY, ANY, "sparseIndices", true},
-    {"sparse", "values", Is::object, -ANY, ANY, "sparseValues", true},
-    {"sparseIndices", "bufferView", Is::index, 0, ANY, "bufferViews", true},
-    {"sparseIndices", "byteOffset", Is::whole, 0, 2147483647},
-    {"sparseIndices", "componentType", Is::whole, 5121, 5125, "", true},
-    {"sparseValues", "bufferView", Is::index, 0, ANY, "bufferViews", true},
-    {"sparseValues", "byteOffset", Is::whole, 0, 2147483647},
-    {"bufferView", "buffer", Is::index, 0, ANY, "buffers", true},
-    {"bufferView", "byteOffset", Is::whole, 0, 9e15},
-    {"bufferView", "byteLength", Is::whole, 1, 9e15, "", true},
-    {"bufferView", "byteStride", Is::whole, 4, 252},
-    {"bufferView", "target", Is::whole, 34962, 34963},
-    {"buffer", "byteLength", Is::whole, 1, 9e15, "", true},
-    {"buffer", "uri", Is::text},
-    {"camera", "type", Is::text, 0, 0, "", true},
-    {"camera", "perspective", Is::object, -ANY, ANY, "perspective"},
-    {"camera", "orthographic", Is::object, -ANY, ANY, "orthographic"},
-    {"camera", "name", Is::text},
-    {"perspective", "yfov", Is::above, 0, ANY, "", true},
-    {"perspective", "znear", Is::above, 0, ANY, "", true},
-    {"perspective", "zfar", Is::above, 0},
-    {"perspective", "aspectRatio", Is::above, 0},
-    {"orthographic", "xmag", Is::number, -ANY, ANY, "", true},
-    {"orthographic", "ymag", Is::number, -ANY, ANY, "", true},
-    {"skin", "joints", Is::wholes, 0, ANY, "nodes", true},
-    {"skin", "skeleton", Is::index, 0, ANY, "nodes"},
-    {"skin", "inverseBindMatrices", Is::index, 0, ANY, "accessors"},
-    {"animation", "channels", Is::list, -ANY, ANY, "channel", true},
-    {"animation", "samplers", Is::list, -ANY, ANY, "animationSampler", true},
-    {"channel", "sampler", Is::whole, 0, 2147483647, "", true},
-    {"channel", "target", Is::object, -ANY, ANY, "channelTarget", true},
-    {"channelTarget", "node", Is::index, 0, ANY, "nodes"},
-    {"channelTarget", "path", Is::text, 0, 0, "", true},
-    {"animationSampler", "input", Is::index, 0, ANY, "accessors", true},
-    {"animationSampler", "output", Is::index, 0, ANY, "accessors", true},
-    {"KHR_lights_punctual", "lights", Is::list, -ANY, ANY, "light"},
-    {"KHR_lights_punctual", "light", Is::whole, 0, 2147483647},
-    {"light", "type", Is::text, 0, 0, "", true},
-    {"light", "color", Is::numbers, 3, 3},
-    {"light", "intensity", Is::number, 0},
-    {"light", "range", Is::above, 0},
-    {"light", "spot", Is::object, -ANY, ANY, "spot"},
-    {"light", "name", Is::text},
-    {"spot", "innerConeAngle", Is::number, 0, 1.5707963267949},
-    {"spot", "outerConeAngle", Is::above, 0, 1.5707963267949},
-    {"KHR_materials_ior", "ior", Is::number, 0},
-    {"KHR_materials_transmission", "transmissionFactor", Is::number, 0, 1},
-    {"KHR_materials_transmission", "transmissionTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"KHR_materials_volume", "thicknessFactor", Is::number, 0},
-    {"KHR_materials_volume", "thicknessTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"KHR_materials_volume", "attenuationDistance", Is::above, 0},
-    {"KHR_materials_volume", "attenuationColor", Is::numbers, 3, 3},
-    {"KHR_materials_emissive_strength", "emissiveStrength", Is::number, 0},
-    {"KHR_materials_specular", "specularFactor", Is::number, 0, 1},
-    {"KHR_materials_specular", "specularTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"KHR_materials_specular", "specularColorFactor", Is::numbers, 3, 3},
-    {"KHR_materials_specular", "specularColorTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"KHR_materials_pbrSpecularGlossiness", "diffuseFactor", Is::numbers, 4, 4},
-    {"KHR_materials_pbrSpecularGlossiness", "diffuseTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"KHR_materials_pbrSpecularGlossiness", "specularFactor", Is::numbers, 3, 3},
-    {"KHR_materials_pbrSpecularGlossiness", "glossinessFactor", Is::number, 0, 1},
-    {"KHR_materials_pbrSpecularGlossiness", "specularGlossinessTexture", Is::object, -ANY, ANY, "textureInfo"},
-    {"KHR_texture_transform", "offset", Is::numbers, 2, 2},
-    {"KHR_texture_transform", "rotation", Is::number},
-    {"KHR_texture_transform", "scale", Is::numbers, 2, 2},
-    {"KHR_texture_transform", "texCoord", Is::whole, 0, 1024},
-    {"EXT_mesh_gpu_instancing", "attributes", Is::indexMap, 0, ANY, "accessors", true},
-};
-
 /// An extension that we read, and the kinds of object that may carry it.
 struct KnownExtension {
     const char* name;
@@ -164,11 +20,16 @@ struct KnownExtension {
 };
 
 constexpr KnownExtension KNOWN[] = {
-    {"KHR_lights_punctual", "nodes"},          {"KHR_materials_ior", "materials"},
-    {"KHR_materials_transmission", "materials"}, {"KHR_materials_volume", "materials"},
-    {"KHR_materials_emissive_strength", "materials"}, {"KHR_materials_unlit", "materials"},
-    {"KHR_materials_specular", "materials"},   {"KHR_materials_pbrSpecularGlossiness", "materials"},
-    {"KHR_texture_transform", ""},             {"KHR_mesh_quantization", ""},
+    {"KHR_lights_punctual", "nodes"},
+    {"KHR_materials_ior", "materials"},
+    {"KHR_materials_transmission", "materials"},
+    {"KHR_materials_volume", "materials"},
+    {"KHR_materials_emissive_strength", "materials"},
+    {"KHR_materials_unlit", "materials"},
+    {"KHR_materials_specular", "materials"},
+    {"KHR_materials_pbrSpecularGlossiness", "materials"},
+    {"KHR_texture_transform", ""},
+    {"KHR_mesh_quantization", ""},
     {"EXT_mesh_gpu_instancing", "nodes"},
 };
 
@@ -178,9 +39,9 @@ struct ArrayLimit {
     size_t most;
 };
 constexpr ArrayLimit ARRAY_LIMITS[] = {
-    {"nodes", 262144},    {"meshes", 131072},   {"materials", 16384}, {"textures", 65536}, {"images", 16384},
-    {"samplers", 65536},  {"accessors", 262144}, {"bufferViews", 262144}, {"buffers", 16384}, {"cameras", 65536},
-    {"scenes", 65536},    {"skins", 65536},     {"animations", 65536},
+    {"nodes", 262144},   {"meshes", 131072},    {"materials", 16384},    {"textures", 65536}, {"images", 16384},
+    {"samplers", 65536}, {"accessors", 262144}, {"bufferViews", 262144}, {"buffers", 16384},  {"cameras", 65536},
+    {"scenes", 65536},   {"skins", 65536},      {"animations", 65536},
 };
 constexpr size_t MOST_PRIMITIVES = 262144;
 constexpr size_t MOST_LIGHTS = 65536;
@@ -194,7 +55,10 @@ public:
         if (!root_.is_object()) refuse("/", shownJson(root_), "an object");
         checkSizes();
         const JsonRules rules(
-            RULES, root_, [this](const std::string& at, const std::string& found, const std::string& allowed) { refuse(at, found, allowed); },
+            gltfRuleTable(), root_,
+            [this](const std::string& at, const std::string& found, const std::string& allowed) {
+                refuse(at, found, allowed);
+            },
             [this](const std::string& at, const std::string& found, const std::string&) { warn(at + ": " + found); });
         rules.check("root", root_, "");
         checkVersion();
@@ -222,7 +86,8 @@ private:
         const auto limit = [this](const std::string& at, size_t size, size_t most) {
             if (size > most) refuse(at, std::to_string(size) + " elements", "at most " + std::to_string(most));
         };
-        for (const ArrayLimit& row : ARRAY_LIMITS) limit(std::string("/") + row.array, arrayOf(row.array).size(), row.most);
+        for (const ArrayLimit& row : ARRAY_LIMITS)
+            limit(std::string("/") + row.array, arrayOf(row.array).size(), row.most);
         size_t primitives = 0;
         for (const json& mesh : arrayOf("meshes")) {
             if (mesh.is_object() && mesh.contains("primitives")) primitives += mesh["primitives"].size();
@@ -267,8 +132,10 @@ private:
         const std::set<std::string> required = extensionList("extensionsRequired");
         for (const std::string& name : required) {
             if (name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression")
-                refuse("/extensionsRequired", "'" + name + "': compressed geometry is not supported", "uncompressed geometry");
-            if (!knowsGltfExtension(name)) refuse("/extensionsRequired", "unknown extension '" + name + "'", supported());
+                refuse("/extensionsRequired", "'" + name + "': compressed geometry is not supported",
+                       "uncompressed geometry");
+            if (!knowsGltfExtension(name))
+                refuse("/extensionsRequired", "unknown extension '" + name + "'", supported());
             if (!used_.count(name)) warn("/extensionsRequired names '" + name + "', /extensionsUsed does not");
         }
         for (const std::string& name : used_) {
@@ -292,7 +159,9 @@ private:
             if (!nodes[i].contains("children")) continue;
             for (const json& child : nodes[i]["children"]) {
                 size_t& of = parent[child.get<size_t>()];
-                if (of != nodes.size()) refuse("/nodes/" + std::to_string(i) + "/children", "node " + child.dump() + " has two parents", "one parent");
+                if (of != nodes.size())
+                    refuse("/nodes/" + std::to_string(i) + "/children", "node " + child.dump() + " has two parents",
+                           "one parent");
                 of = i;
             }
         }
@@ -311,8 +180,10 @@ private:
             std::set<size_t> seen;
             for (const json& node : scenes[s]["nodes"]) {
                 const std::string at = "/scenes/" + std::to_string(s) + "/nodes";
-                if (parent[node.get<size_t>()] != nodes.size()) refuse(at, "node " + node.dump() + " is below another", "root nodes");
-                if (!seen.insert(node.get<size_t>()).second) refuse(at, "node " + node.dump() + " twice", "each node once");
+                if (parent[node.get<size_t>()] != nodes.size())
+                    refuse(at, "node " + node.dump() + " is below another", "root nodes");
+                if (!seen.insert(node.get<size_t>()).second)
+                    refuse(at, "node " + node.dump() + " twice", "each node once");
             }
         }
     }
@@ -323,8 +194,12 @@ private:
         for (size_t m = 0; m < meshes.size(); m++) {
             for (size_t p = 0; p < meshes[m]["primitives"].size(); p++) {
                 const json& primitive = meshes[m]["primitives"][p];
-                if (!primitive.contains("extensions") || !primitive["extensions"].contains("KHR_draco_mesh_compression")) continue;
-                const auto plain = [this](const json& index) { return arrayOf("accessors")[index.get<size_t>()].contains("bufferView"); };
+                if (!primitive.contains("extensions") ||
+                    !primitive["extensions"].contains("KHR_draco_mesh_compression"))
+                    continue;
+                const auto plain = [this](const json& index) {
+                    return arrayOf("accessors")[index.get<size_t>()].contains("bufferView");
+                };
                 const bool indices = !primitive.contains("indices") || plain(primitive["indices"]);
                 const json& attributes = primitive["attributes"];
                 if (indices && attributes.contains("POSITION") && plain(attributes["POSITION"])) continue;
@@ -339,7 +214,8 @@ private:
         for (size_t i = 0; i < nodes.size(); i++) {
             const json& node = nodes[i];
             const std::string at = "/nodes/" + std::to_string(i);
-            if (node.contains("matrix") && (node.contains("rotation") || node.contains("scale") || node.contains("translation")))
+            if (node.contains("matrix") &&
+                (node.contains("rotation") || node.contains("scale") || node.contains("translation")))
                 warn(at + " has a matrix and translation, rotation or scale: the matrix is used");
             if (!node.contains("mesh") && (node.contains("skin") || node.contains("weights")))
                 warn(at + " has a skin or weights but no mesh: ignored");
@@ -396,8 +272,10 @@ private:
         if (!extensions.is_object()) return;
         const bool insideArray = std::count(at.begin(), at.end(), '/') == 2;  // "/materials/3"
         for (const auto& [name, extension] : extensions.items()) {
-            if (name == "KHR_texture_transform" && insideArray) warn(at + "/extensions/" + name + ": not expected here, ignored");
-            if (!used_.count(name)) warn(at + "/extensions/" + name + ": the extension is not declared in /extensionsUsed");
+            if (name == "KHR_texture_transform" && insideArray)
+                warn(at + "/extensions/" + name + ": not expected here, ignored");
+            if (!used_.count(name))
+                warn(at + "/extensions/" + name + ": the extension is not declared in /extensionsUsed");
             for (const KnownExtension& known : KNOWN) {
                 if (name != known.name || !*known.on || at.empty()) continue;
                 if (!insideArray || at.rfind(std::string("/") + known.on + "/", 0) != 0)
@@ -415,7 +293,8 @@ private:
 }  // namespace
 
 bool knowsGltfExtension(const std::string& name) {
-    return std::any_of(std::begin(KNOWN), std::end(KNOWN), [&](const KnownExtension& known) { return name == known.name; });
+    return std::any_of(std::begin(KNOWN), std::end(KNOWN),
+                       [&](const KnownExtension& known) { return name == known.name; });
 }
 
 void checkGltfJson(const json& root, const std::string& file, std::vector<std::string>& warnings) {

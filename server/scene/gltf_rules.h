@@ -1,6 +1,6 @@
 #pragma once
-// What a glTF 2.0 file may contain, as far as we read it: the table for JsonRules, checks that a table cannot say, and the
-// extensions. Private to server/scene.
+// What a glTF 2.0 file may contain, as far as we read it: the table for JsonRules, checks that a table cannot say, and
+// the extensions. Private to server/scene.
 
 #include "server/scene/json_rules.h"
 
@@ -8,8 +8,8 @@
 
 namespace heliograph {
 
-/// Checks the whole document. Throws InputError (file, JSON pointer, found, allowed) for what cannot be loaded safely or
-/// breaks the specification's structure; appends to `warnings` what is only odd.
+/// Checks the whole document. Throws InputError (file, JSON pointer, found, allowed) for what cannot be loaded safely
+/// or breaks the specification's structure; appends to `warnings` what is only odd.
 void checkGltfJson(const nlohmann::json& root, const std::string& file, std::vector<std::string>& warnings);
 
 /// True for the extensions that the loader draws or may safely read past.

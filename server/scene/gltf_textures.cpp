@@ -24,7 +24,8 @@ uint32_t wrapOf(int mode) {
     return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? WRAP_MIRROR : WRAP_REPEAT;
 }
 
-/// uv' = offset + rotation * scale * uv; the rotation turns counter-clockwise as seen with v downwards (KHR_texture_transform).
+/// uv' = offset + rotation * scale * uv; the rotation turns counter-clockwise as seen with v downwards
+/// (KHR_texture_transform).
 void setTransform(TextureSlot& slot, const tinygltf::Value& transform) {
     const vec2 scale = pairOf(transform, "scale", vec2(1.0f));
     const double angle = numberOf(transform, "rotation", 0.0);
@@ -77,7 +78,8 @@ void GltfTextures::setSampler(TextureSlot& slot, int texture) const {
 uint32_t GltfTextures::slot(const TextureUse& use, bool srgb) {
     const int image = imageOf(use.index);
     if (image < 0) {
-        if (use.index >= 0 && loaded_) builder_.warn("texture " + std::to_string(use.index) + " has no image: not drawn");
+        if (use.index >= 0 && loaded_)
+            builder_.warn("texture " + std::to_string(use.index) + " has no image: not drawn");
         return NO_INDEX;
     }
     if (!loaded_) {

@@ -53,7 +53,8 @@ struct OpenedImage {
         input = OIIO::ImageInput::create(format->reader);
         if (!input) throw InputError(name, "the image cannot be read: " + firstLine(OIIO::geterror()));
         const bool fromMemory = input->set_ioproxy(&memory);
-        if (!fromMemory && path.empty()) throw InputError(name, "a Radiance HDR image inside another file", "PNG or JPEG");
+        if (!fromMemory && path.empty())
+            throw InputError(name, "a Radiance HDR image inside another file", "PNG or JPEG");
         OIIO::ImageSpec config, spec;
         config.attribute("oiio:UnassociatedAlpha", 1);
         if (!input->open(fromMemory ? std::string("memory.") + format->reader : path, spec, config))
@@ -65,14 +66,17 @@ struct OpenedImage {
         info.hdr = format->hdr;
     }
 
-    static std::string firstLine(const std::string& text) { return text.substr(0, std::min(text.find('\n'), size_t(200))); }
+    static std::string firstLine(const std::string& text) {
+        return text.substr(0, std::min(text.find('\n'), size_t(200)));
+    }
 
     static void check(const OIIO::ImageSpec& spec, const std::string& name) {
         const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height);
         if (spec.width < 1 || spec.height < 1 || spec.width > int(LONGEST_SIDE) || spec.height > int(LONGEST_SIDE) ||
             static_cast<uint64_t>(spec.width) * spec.height > MOST_PIXELS) {
-            throw InputError(name, size + " pixels", "sides of 1 to " + std::to_string(LONGEST_SIDE) + ", at most " +
-                                                         std::to_string(MOST_PIXELS) + " pixels");
+            throw InputError(name, size + " pixels",
+                             "sides of 1 to " + std::to_string(LONGEST_SIDE) + ", at most " +
+                                 std::to_string(MOST_PIXELS) + " pixels");
         }
         if (spec.nchannels < 1 || spec.nchannels > 16 || spec.depth > 1 || spec.deep)
             throw InputError(name, "a deep image, a volume, or one of " + std::to_string(spec.nchannels) + " channels",
@@ -138,7 +142,9 @@ ImageData decode(std::span<const uint8_t> file, const std::string& name, const s
 
 }  // namespace
 
-ImageInfo inspectImage(std::span<const uint8_t> file, const std::string& name) { return OpenedImage(file, name, {}).info; }
+ImageInfo inspectImage(std::span<const uint8_t> file, const std::string& name) {
+    return OpenedImage(file, name, {}).info;
+}
 
 ImageData decodeImage(std::span<const uint8_t> file, const std::string& name, bool srgb) {
     return decode(file, name, {}, srgb);

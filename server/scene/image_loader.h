@@ -17,8 +17,8 @@ struct ImageInfo {
     uint64_t decodedBytes() const { return static_cast<uint64_t>(width) * height * (hdr ? 12 : 4); }
 };
 
-/// Reads the header. `name` is for messages. Throws InputError for an unknown or broken format, a side over 16384 or more than
-/// 128 Mi pixels.
+/// Reads the header. `name` is for messages. Throws InputError for an unknown or broken format, a side over 16384 or
+/// more than 128 Mi pixels.
 ImageInfo inspectImage(std::span<const uint8_t> file, const std::string& name);
 
 /// Decodes to RGBA8 or, for HDR formats, linear RGB float. `srgb`: the colours of 8 and 16 bit formats are sRGB-coded.

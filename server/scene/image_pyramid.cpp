@@ -48,8 +48,8 @@ std::array<float, 256> decodeTable(bool srgb) {
     return table;
 }
 
-/// Rounds linear values to sRGB bytes without a power per texel: a table guesses the byte, the linear values that lie half-way
-/// between two bytes decide.
+/// Rounds linear values to sRGB bytes without a power per texel: a table guesses the byte, the linear values that lie
+/// half-way between two bytes decide.
 class SrgbCoder {
 public:
     SrgbCoder() {
@@ -175,9 +175,7 @@ vec3 unpackRgb9e5(uint32_t word) {
     return vec3(float(word & 511u), float(word >> 9 & 511u), float(word >> 18 & 511u)) * unit;
 }
 
-double srgbToLinear(double coded) {
-    return coded <= 0.04045 ? coded / 12.92 : std::pow((coded + 0.055) / 1.055, 2.4);
-}
+double srgbToLinear(double coded) { return coded <= 0.04045 ? coded / 12.92 : std::pow((coded + 0.055) / 1.055, 2.4); }
 
 double linearToSrgb(double linear) {
     return linear <= 0.0031308 ? linear * 12.92 : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;

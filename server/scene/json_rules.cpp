@@ -12,9 +12,12 @@ const char* wordFor(Is is) {
     switch (is) {
         case Is::boolean: return "true or false";
         case Is::text: return "a string";
-        case Is::whole: case Is::index: return "an integer";
-        case Is::number: case Is::above: return "a number";
-        case Is::object: case Is::indexMap: return "an object";
+        case Is::whole:
+        case Is::index: return "an integer";
+        case Is::number:
+        case Is::above: return "a number";
+        case Is::object:
+        case Is::indexMap: return "an object";
         default: return "an array";
     }
 }
@@ -23,12 +26,15 @@ bool hasType(const json& value, Is is) {
     switch (is) {
         case Is::boolean: return value.is_boolean();
         case Is::text: return value.is_string();
-        case Is::whole: case Is::index:
+        case Is::whole:
+        case Is::index:
             // Integers may be written as 1.0 (the specification asks readers to take them).
             return value.is_number_integer() ||
                    (value.is_number_float() && std::floor(value.get<double>()) == value.get<double>());
-        case Is::number: case Is::above: return value.is_number();
-        case Is::object: case Is::indexMap: return value.is_object();
+        case Is::number:
+        case Is::above: return value.is_number();
+        case Is::object:
+        case Is::indexMap: return value.is_object();
         default: return value.is_array();
     }
 }
@@ -36,7 +42,8 @@ bool hasType(const json& value, Is is) {
 std::string numberText(double value) { return json(value).dump(); }
 
 std::string rangeText(const JsonRule& rule) {
-    std::string text = rule.low == -ANY ? "" : std::string(rule.is == Is::above ? "more than " : "at least ") + numberText(rule.low);
+    std::string text =
+        rule.low == -ANY ? "" : std::string(rule.is == Is::above ? "more than " : "at least ") + numberText(rule.low);
     if (rule.high != ANY) text += (text.empty() ? "" : " and ") + std::string("at most ") + numberText(rule.high);
     return text;
 }
@@ -77,7 +84,9 @@ void JsonRules::checkExtensions(const json& value, const std::string& where) con
 void JsonRules::checkProperty(const JsonRule& rule, const json& value, const std::string& where) const {
     if (!hasType(value, rule.is)) refuse_(where, shownJson(value), wordFor(rule.is));
     switch (rule.is) {
-        case Is::whole: case Is::number: case Is::above: checkNumber(rule, value, where); break;
+        case Is::whole:
+        case Is::number:
+        case Is::above: checkNumber(rule, value, where); break;
         case Is::index: checkIndex(rule.target, value, where); break;
         case Is::object:
             if (*rule.target) check(rule.target, value, where);
@@ -85,7 +94,9 @@ void JsonRules::checkProperty(const JsonRule& rule, const json& value, const std
         case Is::indexMap:
             for (const auto& [name, index] : value.items()) checkIndex(rule.target, index, where + "/" + name);
             break;
-        case Is::numbers: case Is::wholes: case Is::list: checkArray(rule, value, where); break;
+        case Is::numbers:
+        case Is::wholes:
+        case Is::list: checkArray(rule, value, where); break;
         default: break;
     }
 }
@@ -109,7 +120,8 @@ void JsonRules::checkArray(const JsonRule& rule, const json& value, const std::s
     const double size = static_cast<double>(value.size());
     if (rule.is == Is::numbers && rule.low != -ANY && (size < rule.low || size > rule.high)) {
         const std::string low = numberText(rule.low);
-        refuse_(where, "an array of " + std::to_string(value.size()), low + (rule.high > rule.low ? " or more" : "") + " numbers");
+        refuse_(where, "an array of " + std::to_string(value.size()),
+                low + (rule.high > rule.low ? " or more" : "") + " numbers");
     }
     if (value.empty()) complain_(where, "an empty array", "at least one element");
     size_t i = 0;

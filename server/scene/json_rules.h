@@ -42,8 +42,8 @@ struct JsonRule {
 /// Receives (JSON pointer, what was found, what is allowed).
 using JsonFault = std::function<void(const std::string& where, const std::string& found, const std::string& allowed)>;
 
-/// Checks `value` as an object of `kind` and everything below it. `refuse` must throw; `complain` may return (empty arrays).
-/// Objects' "extensions" are checked as objects of the kind that the extension's name names.
+/// Checks `value` as an object of `kind` and everything below it. `refuse` must throw; `complain` may return (empty
+/// arrays). Objects' "extensions" are checked as objects of the kind that the extension's name names.
 class JsonRules {
 public:
     JsonRules(std::span<const JsonRule> rules, const nlohmann::json& root, JsonFault refuse, JsonFault complain)

@@ -88,8 +88,7 @@ private:
                 dropped_++;
                 continue;
             }
-            bool bake = placement.identity ? uses[placed.mesh] == 1
-                                           : uses[placed.mesh] == 1 && !farFromOrigin(bounds);
+            bool bake = placement.identity ? uses[placed.mesh] == 1 : uses[placed.mesh] == 1 && !farFromOrigin(bounds);
             if (!placement.invertible) {
                 if (uses[placed.mesh] > 1) copiedTriangles += mesh.indices.size();
                 if (copiedTriangles > MOST_COPIED_TRIANGLES) {
@@ -189,7 +188,8 @@ private:
             }
         }
         if (triangles > MOST_TRIANGLES || vertices > MOST_VERTICES) {
-            throw InputError(scene_.name, std::to_string(triangles) + " triangles and " + std::to_string(vertices) + " vertices",
+            throw InputError(scene_.name,
+                             std::to_string(triangles) + " triangles and " + std::to_string(vertices) + " vertices",
                              "at most " + std::to_string(MOST_TRIANGLES) + " of each");
         }
         scene_.positions.assign(vertices + 1, vec4(0.0f));  // one to spare: Embree reads 16 bytes at the last one
@@ -234,7 +234,8 @@ private:
         const MeshData& mesh = *copy.mesh;
         const Placement& placement = copy.placement;
         const size_t at = copy.firstVertex + i;
-        scene_.positions[at] = vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), 0.0f);
+        scene_.positions[at] =
+            vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), 0.0f);
         VertexAttributes attributes{};
         attributes.normal = placement.identity ? mesh.normals[i] : vec3(placement.normal(mesh.normals[i]));
         if (!mesh.uv0.empty()) attributes.u0 = mesh.uv0[i].x, attributes.v0 = mesh.uv0[i].y;
@@ -251,7 +252,8 @@ private:
         return length > 0.0 ? vec4(vec3(turned / length), sign) : vec4(0.0f, 0.0f, 0.0f, sign);
     }
 
-    /// A flattening transform can leave a vertex normal of length 0: such a vertex takes the normal of a triangle at it.
+    /// A flattening transform can leave a vertex normal of length 0: such a vertex takes the normal of a triangle at
+    /// it.
     void repairNormals(const Copy& copy) {
         for (int c = 0; c < 3; c++) {
             for (uint64_t i = copy.firstTriangle[c]; i < copy.firstTriangle[c] + copy.triangles[c]; i++) {
@@ -270,7 +272,8 @@ private:
 
     void placeInstances() {
         for (uint32_t mesh : bakedMesh_) {
-            if (mesh != NO_INDEX) scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
+            if (mesh != NO_INDEX)
+                scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
         }
         for (const auto& [shared, placement] : instances_) {
             for (uint32_t mesh : sharedMesh_[shared]) {

@@ -13,9 +13,10 @@ constexpr uint64_t MOST_VERTICES = uint64_t(1) << 28;
 std::vector<uint32_t> opacityClasses(const Scene& scene, const std::vector<bool>& imageHasAlpha);
 
 /// Moves the draft's meshes into draft.scene: positions, attributes, tangents, triangles, meshes, instances, bounds.
-/// Meshes with one instance are baked into world space and joined, one mesh per opacity class, unless they lie so far from
-/// the origin that this costs precision; the others become instances that share their geometry. Instances without a
-/// usable inverse are baked too, those that leave nothing visible are dropped. Throws InputError beyond the limits above.
+/// Meshes with one instance are baked into world space and joined, one mesh per opacity class, unless they lie so far
+/// from the origin that this costs precision; the others become instances that share their geometry. Instances without
+/// a usable inverse are baked too, those that leave nothing visible are dropped. Throws InputError beyond the limits
+/// above.
 void assembleMeshes(SceneDraft& draft, const std::vector<uint32_t>& opacity);
 
 }  // namespace heliograph

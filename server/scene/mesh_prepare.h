@@ -16,9 +16,9 @@ struct MeshReport {
     void add(const MeshReport& other);
 };
 
-/// Drops what cannot be traced, removes unused vertices, fills in normals (area-weighted) and, where a material has a normal
-/// texture, tangents. Vertices whose triangles disagree in texture handedness are doubled. Texture and material indices of
-/// `materials` must be valid.
+/// Drops what cannot be traced, removes unused vertices, fills in normals (area-weighted) and, where a material has a
+/// normal texture, tangents. Vertices whose triangles disagree in texture handedness are doubled. Texture and material
+/// indices of `materials` must be valid.
 MeshReport prepareMesh(MeshData& mesh, std::span<const Material> materials, std::span<const TextureSlot> textures);
 
 /// Unit normals from the triangles, each weighted by its area; +Y for a vertex without any. Object space.

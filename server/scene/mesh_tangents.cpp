@@ -58,7 +58,8 @@ private:
         const dvec2 uv1 = dvec2(uvs[t.y]) - dvec2(uvs[t.x]);
         const dvec2 uv2 = dvec2(uvs[t.z]) - dvec2(uvs[t.x]);
         const double area = uv1.x * uv2.y - uv1.y * uv2.x;
-        // v grows downwards but a normal texture's green points up, so a picture that is not mirrored has negative area.
+        // v grows downwards but a normal texture's green points up, so a picture that is not mirrored has negative
+        // area.
         frame.mirrored = area > 0.0;
         if (area != 0.0) frame.direction = (edge1 * uv2.y - edge2 * uv1.y) * (area < 0.0 ? -1.0 : 1.0);
         return frame;

@@ -12,8 +12,8 @@ namespace heliograph {
 
 class FileFolder;
 
-/// Adds MTL materials and the images that they name. An image that is missing or broken is a warning; one that leads out of
-/// the folder an InputError.
+/// Adds MTL materials and the images that they name. An image that is missing or broken is a warning; one that leads
+/// out of the folder an InputError.
 class ObjMaterials {
 public:
     ObjMaterials(const FileFolder& folder, std::string file, SceneBuilder& builder)

@@ -153,7 +153,8 @@ uint32_t SceneBuilder::addImage(ImageData image) {
 
 uint32_t SceneBuilder::addTexture(const TextureSlot& slot) {
     if (slot.image >= data_->images.size())
-        throw std::logic_error("texture of image " + std::to_string(slot.image) + " of " + std::to_string(data_->images.size()));
+        throw std::logic_error("texture of image " + std::to_string(slot.image) + " of " +
+                               std::to_string(data_->images.size()));
     data_->scene.textures.push_back(slot);
     return static_cast<uint32_t>(data_->scene.textures.size() - 1);
 }
@@ -165,7 +166,8 @@ uint32_t SceneBuilder::addMesh(MeshData mesh) {
 
 void SceneBuilder::addInstance(uint32_t mesh, const mat4& toWorld) {
     if (mesh >= data_->meshes.size())
-        throw std::logic_error("instance of mesh " + std::to_string(mesh) + " of " + std::to_string(data_->meshes.size()));
+        throw std::logic_error("instance of mesh " + std::to_string(mesh) + " of " +
+                               std::to_string(data_->meshes.size()));
     data_->placed.push_back({mesh, toWorld});
 }
 

@@ -2,11 +2,11 @@
 // Collects meshes, materials, images, lights and cameras and makes an immutable Scene of them. Everything a loader or a
 // generator needs; the kernel's layout is known here alone.
 //
-// finish() sanitises (non-finite vertices and indices out of range are dropped, zero-area triangles counted, each with a
-// warning), makes missing normals (area-weighted) and tangents (where a normal texture is used), splits meshes by opacity
-// class, bakes meshes that are used once into world space unless that would cost precision, builds mip pyramids and the
-// environment's ambient coefficients, adds a headlight where there is no light and says so, and a camera where there is
-// none.
+// finish() sanitises (non-finite vertices and indices out of range are dropped, zero-area triangles counted, each with
+// a warning), makes missing normals (area-weighted) and tangents (where a normal texture is used), splits meshes by
+// opacity class, bakes meshes that are used once into world space unless that would cost precision, builds mip pyramids
+// and the environment's ambient coefficients, adds a headlight where there is no light and says so, and a camera where
+// there is none.
 
 #include "server/base/progress.h"
 #include "server/scene/scene.h"

@@ -123,18 +123,21 @@ void checkMaterials(SceneDraft& draft) {
 
 void checkLights(SceneDraft& draft) {
     const size_t dropped = dropUnless(draft.lights, repairLight);
-    if (dropped > 0) addWarning(draft, std::to_string(dropped) + " lights were left out: not finite or without direction");
+    if (dropped > 0)
+        addWarning(draft, std::to_string(dropped) + " lights were left out: not finite or without direction");
 }
 
 void checkCameras(SceneDraft& draft) {
     const size_t dropped = dropUnless(draft.scene.cameras, repairCamera);
-    if (dropped > 0) addWarning(draft, std::to_string(dropped) + " cameras were left out: not finite or without direction");
+    if (dropped > 0)
+        addWarning(draft, std::to_string(dropped) + " cameras were left out: not finite or without direction");
     const size_t paths = dropUnless(draft.scene.paths, [](const CameraPath& path) {
         return path.keys.size() >= 2 && path.seconds > 0.0f && std::isfinite(path.seconds) &&
                std::all_of(path.keys.begin(), path.keys.end(),
                            [](const CameraPath::Key& key) { return finite(key.position) && finite(key.target); });
     });
-    if (paths > 0) addWarning(draft, std::to_string(paths) + " camera paths were left out: fewer than 2 keys or not finite");
+    if (paths > 0)
+        addWarning(draft, std::to_string(paths) + " camera paths were left out: fewer than 2 keys or not finite");
 }
 
 }  // namespace heliograph

@@ -27,7 +27,8 @@ std::string recipeNames() {
 
 std::string lowerExtension(const fs::path& path) {
     std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
     return extension;
 }
 
@@ -67,8 +68,10 @@ void surround(const std::string& environment, SceneBuilder& builder, const Progr
 
 const std::vector<SceneRecipe>& sceneRecipes() { return generatedRecipes(); }
 
-std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std::string& environment, const Progress& progress) {
-    // Faults of the file that no check foresaw end here as errors of the file, too; what progress throws passes through.
+std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std::string& environment,
+                                       const Progress& progress) {
+    // Faults of the file that no check foresaw end here as errors of the file, too; what progress throws passes
+    // through.
     std::atomic<bool> abandoned{false};  // progress may be called from worker threads
     const Progress watched = [&](const std::string& what, double share) {
         try {
@@ -92,7 +95,8 @@ std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std:
     } catch (const std::exception& error) {
         if (abandoned) throw;
         const std::string what = error.what();
-        throw InputError(nameOrPath, "the scene cannot be read: " + what.substr(0, std::min(what.find('\n'), size_t(200))));
+        throw InputError(nameOrPath,
+                         "the scene cannot be read: " + what.substr(0, std::min(what.find('\n'), size_t(200))));
     }
 }
 

@@ -29,7 +29,8 @@ dvec3 Placement::normal(vec3 n) const {
 
 bool Placement::collapsed() const {
     // The cofactor's columns are the cross products of the linear part's: all zero when its columns are parallel.
-    const double size = glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]);
+    const double size =
+        glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]);
     const double area = glm::length(cofactor[0]) + glm::length(cofactor[1]) + glm::length(cofactor[2]);
     return !(area > size * 1e-12);
 }

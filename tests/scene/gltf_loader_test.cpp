@@ -50,18 +50,21 @@ TEST(GltfLoader, NeverLeavesItsFolder) {
     outer.write("scene/inside.bin", triangleBytes());
     fs::create_symlink(outer.path() / "secret.bin", outer.path() / "scene/link.bin");
     fs::create_symlink(outer.path(), outer.path() / "scene/up");
-    for (const std::string uri : {"../secret.bin", "%2e%2e/secret.bin", "a/../../secret.bin", "./../secret.bin", "..\\\\secret.bin", "link.bin",
-                                  "up/secret.bin", "file:///etc/hostname", "http://127.0.0.1/x.bin", "/etc/hostname", "//etc/hostname", "%2fetc/hostname",
-                                  "C:/x.bin", "inside.bin%00.png", "", "%2", "~/x.bin", "."}) {
+    for (const std::string uri :
+         {"../secret.bin", "%2e%2e/secret.bin", "a/../../secret.bin", "./../secret.bin", "..\\\\secret.bin", "link.bin",
+          "up/secret.bin", "file:///etc/hostname", "http://127.0.0.1/x.bin", "/etc/hostname", "//etc/hostname",
+          "%2fetc/hostname", "C:/x.bin", "inside.bin%00.png", "", "%2", "~/x.bin", "."}) {
         SCOPED_TRACE(uri);
         const std::string file = outer.write("scene/scene.gltf", triangleJson(uri));
         try {
             const auto scene = openScene(file);
             ADD_FAILURE() << "opened";
         } catch (const InputError& error) {
-            EXPECT_THAT(error.what(), ::testing::AnyOf(HasSubstr("/buffers/0/uri"), HasSubstr("no regular file"), HasSubstr("/bufferViews/0")));
+            EXPECT_THAT(error.what(), ::testing::AnyOf(HasSubstr("/buffers/0/uri"), HasSubstr("no regular file"),
+                                                       HasSubstr("/bufferViews/0")));
         }
-        const std::string image = R"(,"images":[{"uri":")" + uri + R"("}],"textures":[{"source":0}],"materials":[{"emissiveTexture":{"index":0}}])";
+        const std::string image = R"(,"images":[{"uri":")" + uri +
+                                  R"("}],"textures":[{"source":0}],"materials":[{"emissiveTexture":{"index":0}}])";
         const std::string withImage = outer.write("scene/image.gltf", triangleJson("inside.bin", image));
         try {
             EXPECT_EQ(openScene(withImage)->images.size(), 0u);
@@ -76,8 +79,11 @@ TEST(GltfLoader, RefusesUnknownRequiredExtensionsAndWarnsOfUsedOnes) {
     const std::string uri = dataUri(triangleBytes());
     EXPECT_THAT(refusal(triangleJson(uri, R"(,"extensionsUsed":["ABC_x"],"extensionsRequired":["ABC_x"])")),
                 AllOf(HasSubstr("/extensionsRequired"), HasSubstr("ABC_x"), HasSubstr("KHR_lights_punctual")));
-    EXPECT_THAT(refusal(triangleJson(uri, R"(,"extensionsUsed":["KHR_draco_mesh_compression"],"extensionsRequired":["KHR_draco_mesh_compression"])")),
-                HasSubstr("compressed geometry"));
+    EXPECT_THAT(
+        refusal(triangleJson(
+            uri,
+            R"(,"extensionsUsed":["KHR_draco_mesh_compression"],"extensionsRequired":["KHR_draco_mesh_compression"])")),
+        HasSubstr("compressed geometry"));
     EXPECT_THAT(openText(triangleJson(uri, R"(,"extensionsUsed":["ABC_x"])"))->warnings, Contains(HasSubstr("ABC_x")));
 }
 
@@ -94,8 +100,10 @@ TEST(GltfLoader, RefusesWhatPointsOutside) {
     EXPECT_THAT(with(R"("count":3)", R"("count":-3)"), HasSubstr("/accessors/0/count"));
     EXPECT_THAT(with(R"("count":3)", R"("count":0)"), HasSubstr("/accessors/0/count"));
     EXPECT_THAT(with(R"("byteLength":36}]})", R"("byteLength":37}]})"), HasSubstr("/buffers/0/byteLength"));
-    EXPECT_THAT(with(R"("buffer":0,"byteLength":36)", R"("buffer":0,"byteLength":36,"byteOffset":4)"), HasSubstr("/bufferViews/0"));
-    EXPECT_THAT(with(R"("buffer":0,"byteLength":36)", R"("buffer":0,"byteLength":36,"byteOffset":9007199254740991)"), HasSubstr("/bufferViews/0"));
+    EXPECT_THAT(with(R"("buffer":0,"byteLength":36)", R"("buffer":0,"byteLength":36,"byteOffset":4)"),
+                HasSubstr("/bufferViews/0"));
+    EXPECT_THAT(with(R"("buffer":0,"byteLength":36)", R"("buffer":0,"byteLength":36,"byteOffset":9007199254740991)"),
+                HasSubstr("/bufferViews/0"));
     EXPECT_THAT(with(R"("buffer":0)", R"("buffer":1)"), HasSubstr("/bufferViews/0/buffer"));
     EXPECT_THAT(with(R"("mesh":0)", R"("mesh":1)"), HasSubstr("/nodes/0/mesh"));
     EXPECT_THAT(with(R"("POSITION":0)", R"("POSITION":1e300)"), HasSubstr("POSITION"));
@@ -110,7 +118,9 @@ TEST(GltfLoader, RefusesWhatPointsOutside) {
 
 TEST(GltfLoader, RefusesDeepJsonAndMissingFiles) {
     EXPECT_THAT(refusal(std::string(100000, '[')), HasSubstr("nested"));
-    EXPECT_THAT(refusal(R"({"asset":{"version":"2.0"},"extras":)" + std::string(5000, '[') + std::string(5000, ']') + "}"), HasSubstr("nested"));
+    EXPECT_THAT(
+        refusal(R"({"asset":{"version":"2.0"},"extras":)" + std::string(5000, '[') + std::string(5000, ']') + "}"),
+        HasSubstr("nested"));
     EXPECT_THAT(refusal(""), HasSubstr("JSON"));
     EXPECT_THAT(refusal(triangleJson("none.bin")), HasSubstr("does not exist"));
     EXPECT_THAT(refusal(std::string("glTF\2\0\0\0", 8), "a.glb"), HasSubstr("header"));
@@ -134,11 +144,16 @@ TEST(GltfLoader, RefusesBombsOfSmallFiles) {
                 HasSubstr("for a file of this size"));
     // Many primitives that read the same bytes again and again.
     std::string primitives;
-    for (int i = 0; i < 3000; i++) primitives += std::string(i ? "," : "") + R"({"attributes":{"POSITION":0},"indices":1})";
-    EXPECT_THAT(refusal(R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" + primitives +
-                        R"(]}],"accessors":[{"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":0,"componentType":5121,"count":30000,"type":"SCALAR"}],)"
-                        R"("bufferViews":[{"buffer":0,"byteLength":30000}],"buffers":[{"byteLength":30000,"uri":")" + dataUri(std::string(30000, '\0')) + R"("}]})"),
-                HasSubstr("for a file of this size"));
+    for (int i = 0; i < 3000; i++)
+        primitives += std::string(i ? "," : "") + R"({"attributes":{"POSITION":0},"indices":1})";
+    EXPECT_THAT(
+        refusal(
+            R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
+            primitives +
+            R"(]}],"accessors":[{"componentType":5126,"count":3,"type":"VEC3"},{"bufferView":0,"componentType":5121,"count":30000,"type":"SCALAR"}],)"
+            R"("bufferViews":[{"buffer":0,"byteLength":30000}],"buffers":[{"byteLength":30000,"uri":")" +
+            dataUri(std::string(30000, '\0')) + R"("}]})"),
+        HasSubstr("for a file of this size"));
 }
 
 TEST(GltfLoader, RefusesEveryTruncation) {
@@ -151,17 +166,22 @@ TEST(GltfLoader, RefusesEveryTruncation) {
 }
 
 /// A mesh with explicit primitive JSON over one buffer.
-std::string meshJson(const std::string& primitive, const std::string& accessors, const std::string& views, const std::string& bytes, const std::string& extra = {}) {
-    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" + primitive + R"(]}],"accessors":[)" +
-           accessors + R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" + std::to_string(bytes.size()) + R"(,"uri":")" + dataUri(bytes) + R"("}])" + extra + "}";
+std::string meshJson(const std::string& primitive, const std::string& accessors, const std::string& views,
+                     const std::string& bytes, const std::string& extra = {}) {
+    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
+           primitive + R"(]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
+           R"(],"buffers":[{"byteLength":)" + std::to_string(bytes.size()) + R"(,"uri":")" + dataUri(bytes) + R"("}])" +
+           extra + "}";
 }
 
 TEST(GltfLoader, AssemblesStripsAndFans) {
     const std::string bytes = bytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
-    const std::string accessor = R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]})";
+    const std::string accessor =
+        R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]})";
     const std::string view = R"({"buffer":0,"byteLength":48})";
     for (const int mode : {5, 6}) {
-        const auto scene = openText(meshJson(R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}", accessor, view, bytes));
+        const auto scene = openText(
+            meshJson(R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}", accessor, view, bytes));
         ASSERT_EQ(scene->triangleCount(), 2u);
         const uvec4 first = scene->triangles[0], second = scene->triangles[1];
         EXPECT_EQ(positionOf(*scene, first.x), vec3(0, 0, 0));
@@ -171,7 +191,8 @@ TEST(GltfLoader, AssemblesStripsAndFans) {
         EXPECT_EQ(positionOf(*scene, second.y), mode == 5 ? vec3(1, 1, 0) : vec3(0, 1, 0));
         EXPECT_EQ(positionOf(*scene, second.z), mode == 5 ? vec3(0, 1, 0) : vec3(1, 1, 0));
     }
-    EXPECT_THAT(openText(meshJson(R"({"attributes":{"POSITION":0},"mode":1})", accessor, view, bytes))->warnings, Contains(HasSubstr("lines are not drawn")));
+    EXPECT_THAT(openText(meshJson(R"({"attributes":{"POSITION":0},"mode":1})", accessor, view, bytes))->warnings,
+                Contains(HasSubstr("lines are not drawn")));
 }
 
 TEST(GltfLoader, ReadsNormalizedIntegersStridesAndSparseValues) {
@@ -179,11 +200,14 @@ TEST(GltfLoader, ReadsNormalizedIntegersStridesAndSparseValues) {
     const std::string shorts = bytesOf<int16_t>({0, 0, 0, 0, 32767, 0, 0, 0, 0, -32768, 0, 0});
     const std::string colors = bytesOf<uint8_t>({255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 51});
     const std::string sparse = bytesOf<uint8_t>({2, 0, 0, 0}) + bytesOf<int16_t>({0, 32767, 0, 0});
-    const std::string accessors = R"({"bufferView":0,"componentType":5122,"normalized":true,"count":3,"type":"VEC3","min":[0,-32768,0],"max":[32767,0,0],)"
-                                  R"("sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":2,"byteOffset":4}}},)"
-                                  R"({"bufferView":1,"componentType":5121,"normalized":true,"count":3,"type":"VEC4"})";
-    const std::string views = R"({"buffer":0,"byteLength":24,"byteStride":8},{"buffer":0,"byteOffset":24,"byteLength":12},{"buffer":0,"byteOffset":36,"byteLength":12})";
-    const auto scene = openText(meshJson(R"({"attributes":{"POSITION":0,"COLOR_0":1}})", accessors, views, shorts + colors + sparse));
+    const std::string accessors =
+        R"({"bufferView":0,"componentType":5122,"normalized":true,"count":3,"type":"VEC3","min":[0,-32768,0],"max":[32767,0,0],)"
+        R"("sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},"values":{"bufferView":2,"byteOffset":4}}},)"
+        R"({"bufferView":1,"componentType":5121,"normalized":true,"count":3,"type":"VEC4"})";
+    const std::string views =
+        R"({"buffer":0,"byteLength":24,"byteStride":8},{"buffer":0,"byteOffset":24,"byteLength":12},{"buffer":0,"byteOffset":36,"byteLength":12})";
+    const auto scene =
+        openText(meshJson(R"({"attributes":{"POSITION":0,"COLOR_0":1}})", accessors, views, shorts + colors + sparse));
     ASSERT_EQ(scene->triangleCount(), 1u);
     EXPECT_EQ(positionOf(*scene, 1), vec3(1, 0, 0));
     EXPECT_EQ(positionOf(*scene, 2), vec3(0, 1, 0));
@@ -198,19 +222,22 @@ TEST(GltfLoader, ComposesDeepHierarchiesInDouble) {
     for (int i = 0; i < DEPTH; i++) nodes += R"({"translation":[1,0,0],"children":[)" + std::to_string(i + 1) + "]},";
     std::string json = triangleJson(dataUri(triangleBytes()));
     const std::string node = R"("nodes":[{"mesh":0}])";
-    json.replace(json.find(node), node.size(), R"("nodes":[)" + nodes + R"({"mesh":0,"scale":[1,1,-1],"rotation":[0,0,0.70710678,0.70710678]}])");
+    json.replace(json.find(node), node.size(),
+                 R"("nodes":[)" + nodes + R"({"mesh":0,"scale":[1,1,-1],"rotation":[0,0,0.70710678,0.70710678]}])");
     const auto scene = openText(json);
     EXPECT_NEAR(scene->bounds.low.x, DEPTH - 1.0f, 1e-3f);
     EXPECT_NEAR(scene->bounds.high.x, DEPTH, 1e-3f);
     // Mirrored along z: the front still looks along the turned +z, now -z.
     const uvec4 t = scene->triangles[0];
-    const vec3 normal = glm::cross(positionOf(*scene, t.y) - positionOf(*scene, t.x), positionOf(*scene, t.z) - positionOf(*scene, t.x));
+    const vec3 normal = glm::cross(positionOf(*scene, t.y) - positionOf(*scene, t.x),
+                                   positionOf(*scene, t.z) - positionOf(*scene, t.x));
     EXPECT_LT(normal.z, 0.0f);
     EXPECT_LT(scene->attributes[0].normal.z, -0.999f);
 }
 
 TEST(GltfLoader, ConvertsMaterialExtensions) {
-    const std::string materials = R"(,"extensionsUsed":["KHR_materials_volume","KHR_materials_transmission","KHR_materials_ior","KHR_materials_emissive_strength"],"materials":[)"
+    const std::string materials =
+        R"(,"extensionsUsed":["KHR_materials_volume","KHR_materials_transmission","KHR_materials_ior","KHR_materials_emissive_strength"],"materials":[)"
         R"({"name":"glass","pbrMetallicRoughness":{"metallicFactor":0},"alphaMode":"BLEND","emissiveFactor":[1,0.5,0],"extensions":{)"
         R"("KHR_materials_transmission":{"transmissionFactor":0.75},"KHR_materials_ior":{"ior":1.33},"KHR_materials_emissive_strength":{"emissiveStrength":4},)"
         R"("KHR_materials_volume":{"thicknessFactor":1,"attenuationDistance":2,"attenuationColor":[0.25,1,0]}}},)"
@@ -230,12 +257,16 @@ TEST(GltfLoader, ConvertsMaterialExtensions) {
 
 TEST(GltfLoader, ReadsTextureTransforms) {
     const ScratchFolder folder;
-    const std::string json = triangleJson(dataUri(triangleBytes()),
+    const std::string json = triangleJson(
+        dataUri(triangleBytes()),
         R"(,"extensionsUsed":["KHR_texture_transform"],"images":[{"uri":"t.png"}],"textures":[{"source":0,"sampler":0}],"samplers":[{"magFilter":9728,"wrapS":33071,"wrapT":33648}],)"
         R"("materials":[{"emissiveTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0.25],"rotation":1.5707963267948966,"scale":[2,3],"texCoord":1}}}}])");
     // A grey PNG of one pixel.
-    const unsigned char png[] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10, 0, 0, 0, 13, 'I', 'H', 'D', 'R', 0, 0, 0, 1, 0, 0, 0, 1, 8, 0, 0, 0, 0, 0x3a, 0x7e, 0x9b, 0x55,
-                                 0, 0, 0, 10, 'I', 'D', 'A', 'T', 0x78, 0x9c, 0x63, 0x68, 0, 0, 0, 0x82, 0, 0x81, 0x77, 0xcd, 0x72, 0xb6, 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82};
+    const unsigned char png[] = {0x89, 'P',  'N',  'G',  13,   10,  26,   10,   0,    0,    0,    13,   'I',  'H',
+                                 'D',  'R',  0,    0,    0,    1,   0,    0,    0,    1,    8,    0,    0,    0,
+                                 0,    0x3a, 0x7e, 0x9b, 0x55, 0,   0,    0,    10,   'I',  'D',  'A',  'T',  0x78,
+                                 0x9c, 0x63, 0x68, 0,    0,    0,   0x82, 0,    0x81, 0x77, 0xcd, 0x72, 0xb6, 0,
+                                 0,    0,    0,    'I',  'E',  'N', 'D',  0xae, 0x42, 0x60, 0x82};
     folder.write("t.png", std::string_view(reinterpret_cast<const char*>(png), sizeof png));
     const auto scene = openScene(folder.write("scene.gltf", json));
     ASSERT_EQ(scene->textures.size(), 1u) << ::testing::PrintToString(scene->warnings);

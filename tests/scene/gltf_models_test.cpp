@@ -1,4 +1,5 @@
-// Every model of the shared scenes loads with the triangle count that their list states, or fails for the stated reason.
+// Every model of the shared scenes loads with the triangle count that their list states, or fails for the stated
+// reason.
 
 #include "server/base/error.h"
 #include "server/scene/scene_source.h"
@@ -19,10 +20,10 @@ using ::testing::HasSubstr;
 
 const fs::path SHARED = HELIOGRAPH_SHARED_SCENES;
 
-#define NEEDS_SHARED_SCENES()                                                        \
-    if (!fs::exists(SHARED)) {                                                       \
-        std::cout << "the shared scenes are missing: " << SHARED << std::endl;       \
-        GTEST_SKIP() << "no " << SHARED;                                             \
+#define NEEDS_SHARED_SCENES()                                                  \
+    if (!fs::exists(SHARED)) {                                                 \
+        std::cout << "the shared scenes are missing: " << SHARED << std::endl; \
+        GTEST_SKIP() << "no " << SHARED;                                       \
     }
 
 struct ListedModel {
@@ -44,7 +45,8 @@ std::vector<ListedModel> listedModels() {
         std::istringstream stream(line.substr(1));
         for (std::string cell; std::getline(stream, cell, '|');) {
             const size_t first = cell.find_first_not_of(' ');
-            cells.push_back(first == std::string::npos ? "" : cell.substr(first, cell.find_last_not_of(' ') - first + 1));
+            cells.push_back(first == std::string::npos ? ""
+                                                       : cell.substr(first, cell.find_last_not_of(' ') - first + 1));
         }
         if (cells.size() >= 3) models.push_back({cells[0], cells[1], std::stoull(cells[2])});
     }
@@ -60,8 +62,9 @@ void expectSound(const Scene& scene) {
         ASSERT_LT(t.w, scene.materials.size());
     }
     for (const Material& material : scene.materials) {
-        for (uint32_t texture : {material.baseTexture, material.metallicRoughnessTexture, material.normalTexture,
-                                 material.emissionTexture, material.opacityTexture, material.transmissionTexture, material.specularTexture}) {
+        for (uint32_t texture :
+             {material.baseTexture, material.metallicRoughnessTexture, material.normalTexture, material.emissionTexture,
+              material.opacityTexture, material.transmissionTexture, material.specularTexture}) {
             ASSERT_TRUE(texture == NO_INDEX || texture < scene.textures.size());
         }
     }
@@ -86,7 +89,8 @@ TEST(GltfModels, HaveTheListedTriangles) {
             expectSound(*scene);
             loaded++;
         } catch (const InputError& error) {
-            const bool compressed = model.folder == "gt_BoxDraco" || model.folder == "gt_BoxMeshopt" || model.folder == "dream-apartment";
+            const bool compressed =
+                model.folder == "gt_BoxDraco" || model.folder == "gt_BoxMeshopt" || model.folder == "dream-apartment";
             EXPECT_TRUE(compressed) << error.what();
             EXPECT_THAT(error.what(), HasSubstr("compress"));
             refused++;
@@ -133,7 +137,8 @@ TEST(GltfModels, MaterialsFollowTheirExtensions) {
     NEEDS_SHARED_SCENES();
     const auto volume = openScene((SHARED / "gltf/AttenuationTest/AttenuationTest.glb").string());
     bool absorbs = false;
-    for (const Material& m : volume->materials) absorbs |= (m.flags & MATERIAL_VOLUME) != 0 && m.transmission > 0.0f && m.absorption.x + m.absorption.y > 0.0f;
+    for (const Material& m : volume->materials)
+        absorbs |= (m.flags & MATERIAL_VOLUME) != 0 && m.transmission > 0.0f && m.absorption.x + m.absorption.y > 0.0f;
     EXPECT_TRUE(absorbs);
     const auto unlit = openScene((SHARED / "gltf/UnlitTest/glTF/UnlitTest.gltf").string());
     EXPECT_NE(unlit->materials[1].flags & MATERIAL_UNLIT, 0u);
@@ -147,8 +152,8 @@ TEST(GltfModels, MaterialsFollowTheirExtensions) {
 TEST(ObjModels, HaveTheListedTriangles) {
     NEEDS_SHARED_SCENES();
     const std::pair<const char*, uint64_t> models[] = {
-        {"sponza-dabrovic/sponza.obj", 66454}, {"sibenik/sibenik.obj", 80479}, {"glass/bunny.obj", 4968},
-        {"glass/GlassPack.obj", 48000},        {"glass/TorusKnot.obj", 27000},  {"glass/floor.obj", 2},
+        {"sponza-dabrovic/sponza.obj", 66454},    {"sibenik/sibenik.obj", 80479},        {"glass/bunny.obj", 4968},
+        {"glass/GlassPack.obj", 48000},           {"glass/TorusKnot.obj", 27000},        {"glass/floor.obj", 2},
         {"rayengine-extras/cornell_box.obj", 36}, {"rayengine-extras/sphere.obj", 8064},
     };
     for (const auto& [file, triangles] : models) {

@@ -1,4 +1,5 @@
-// Files that mean harm: all are refused, or repaired with a warning that says what was wrong; none crashes or takes long.
+// Files that mean harm: all are refused, or repaired with a warning that says what was wrong; none crashes or takes
+// long.
 
 #include "server/base/error.h"
 #include "server/scene/scene_source.h"
@@ -42,9 +43,11 @@ Verdict judge(const std::string& file) {
         const auto scene = openScene(file);
         verdict.accepted = true;
         for (const std::string& warning : scene->warnings) {
-            if (warning.find("headlight") == std::string::npos && warning != "the scene has no triangles") verdict.warnings.push_back(warning);
+            if (warning.find("headlight") == std::string::npos && warning != "the scene has no triangles")
+                verdict.warnings.push_back(warning);
         }
-        for (const vec4& p : scene->positions) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+        for (const vec4& p : scene->positions)
+            EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
         for (const uvec4& t : scene->triangles) EXPECT_LT(std::max({t.x, t.y, t.z}), scene->attributes.size());
     } catch (const InputError& error) {
         EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
@@ -90,7 +93,8 @@ TEST(HostileFiles, AreRefusedOrRepairedWithAWarning) {
             << "accepted without a word although: " << ::testing::PrintToString(errors);
     }
     std::cout << files.size() << " files: " << accepted << " accepted, " << refused << " refused; " << reports
-              << " have errors by the validator; slowest " << slowest << " s, peak " << peakMebibytes() << " MiB" << std::endl;
+              << " have errors by the validator; slowest " << slowest << " s, peak " << peakMebibytes() << " MiB"
+              << std::endl;
     EXPECT_GT(reports, 100u);
     EXPECT_LT(slowest, MOST_SECONDS);
     EXPECT_LT(peakMebibytes(), MOST_MEBIBYTES);
@@ -112,9 +116,11 @@ std::string boxGlb() {
             normals += bytesOf({n[0], n[1], n[2]});
         }
         const uint16_t b = static_cast<uint16_t>(face * 4);
-        indices += bytesOf<uint16_t>({b, uint16_t(b + 1), uint16_t(b + 2), uint16_t(b + 2), uint16_t(b + 1), uint16_t(b + 3)});
+        indices +=
+            bytesOf<uint16_t>({b, uint16_t(b + 1), uint16_t(b + 2), uint16_t(b + 2), uint16_t(b + 1), uint16_t(b + 3)});
     }
-    const std::string json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"matrix":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1]},{"mesh":0}],)"
+    const std::string json =
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"matrix":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1]},{"mesh":0}],)"
         R"("meshes":[{"primitives":[{"attributes":{"NORMAL":1,"POSITION":2},"indices":0,"mode":4,"material":0}]}],"accessors":[)"
         R"({"bufferView":0,"byteOffset":0,"componentType":5123,"count":36,"max":[23],"min":[0],"type":"SCALAR"},)"
         R"({"bufferView":1,"byteOffset":0,"componentType":5126,"count":24,"max":[1,1,1],"min":[-1,-1,-1],"type":"VEC3"},)"
@@ -149,8 +155,8 @@ TEST(HostileFiles, ByteMutationsOfABoxDoNoHarm) {
         (verdict.accepted ? accepted : refused)++;
         slowest = std::max(slowest, verdict.seconds);
     }
-    std::cout << MUTATIONS << " mutations: " << accepted << " accepted, " << refused << " refused; slowest " << slowest << " s, peak "
-              << peakMebibytes() << " MiB" << std::endl;
+    std::cout << MUTATIONS << " mutations: " << accepted << " accepted, " << refused << " refused; slowest " << slowest
+              << " s, peak " << peakMebibytes() << " MiB" << std::endl;
     EXPECT_GT(accepted, 0u);
     EXPECT_GT(refused, 0u);
     EXPECT_LT(slowest, MOST_SECONDS);

@@ -12,7 +12,8 @@ namespace {
 
 /// What the kernel evaluates (environmentAmbient).
 glm::dvec3 evaluate(const Environment& e, glm::dvec3 d) {
-    const double basis[9] = {1, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3 * d.z * d.z - 1, d.x * d.z, d.x * d.x - d.y * d.y};
+    const double basis[9] = {
+        1, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3 * d.z * d.z - 1, d.x * d.z, d.x * d.x - d.y * d.y};
     glm::dvec3 sum(0.0);
     for (int i = 0; i < 9; i++) sum += glm::dvec3(e.ambient[i].x, e.ambient[i].y, e.ambient[i].z) * basis[i];
     return sum;
@@ -24,7 +25,8 @@ glm::dvec3 directionOf(uint32_t x, uint32_t y, uint32_t width, uint32_t height, 
     return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
-Environment environmentOf(uint32_t width, uint32_t height, float rotation, const std::function<vec3(glm::dvec3)>& radiance) {
+Environment environmentOf(uint32_t width, uint32_t height, float rotation,
+                          const std::function<vec3(glm::dvec3)>& radiance) {
     ImageData image;
     image.width = width;
     image.height = height;
@@ -55,12 +57,18 @@ TEST(Ambient, ConstantColorComesBackExactly) {
 }
 
 TEST(Ambient, MatchesTheIntegralOfALowOrderSky) {
-    // Radiance 2 + a . d + products has exactly order 2: irradiance / pi = 2 + 2/3 a . d + 1/4 of the second order part.
+    // Radiance 2 + a . d + products has exactly order 2: irradiance / pi = 2 + 2/3 a . d + 1/4 of the second order
+    // part.
     const glm::dvec3 a(0.3, 0.5, -0.4);
-    const auto second = [](glm::dvec3 d) { return 0.5 * d.x * d.y - 0.4 * d.y * d.z + 0.3 * d.x * d.z + 0.2 * (d.x * d.x - d.y * d.y) + 0.1 * (3 * d.z * d.z - 1); };
+    const auto second = [](glm::dvec3 d) {
+        return 0.5 * d.x * d.y - 0.4 * d.y * d.z + 0.3 * d.x * d.z + 0.2 * (d.x * d.x - d.y * d.y) +
+               0.1 * (3 * d.z * d.z - 1);
+    };
     for (const float rotation : {0.0f, 1.1f}) {
-        const Environment e = environmentOf(512, 256, rotation, [&](glm::dvec3 d) { return vec3(float(2 + glm::dot(a, d) + second(d))); });
-        for (const glm::dvec3 d : {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::normalize(glm::dvec3(-1, 2, 3))})
+        const Environment e = environmentOf(512, 256, rotation,
+                                            [&](glm::dvec3 d) { return vec3(float(2 + glm::dot(a, d) + second(d))); });
+        for (const glm::dvec3 d :
+             {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::normalize(glm::dvec3(-1, 2, 3))})
             EXPECT_NEAR(evaluate(e, d).x, 2 + glm::dot(a, d) * 2 / 3 + second(d) / 4, 2e-4);
         EXPECT_NEAR(e.color.x, 2.0, 1e-4);
     }
@@ -119,7 +127,8 @@ TEST(Pyramid, KeepsTheFirstLevelBitForBit) {
     ImageData image;
     image.width = 16;
     image.height = 16;
-    for (int i = 0; i < 256; i++) image.rgba8.insert(image.rgba8.end(), {uint8_t(i), uint8_t(255 - i), uint8_t(i ^ 85), uint8_t(i / 2)});
+    for (int i = 0; i < 256; i++)
+        image.rgba8.insert(image.rgba8.end(), {uint8_t(i), uint8_t(255 - i), uint8_t(i ^ 85), uint8_t(i / 2)});
     const std::vector<uint8_t> bytes = image.rgba8;
     const Scene scene = pyramidOf(image, true);
     for (int i = 0; i < 256; i++) {

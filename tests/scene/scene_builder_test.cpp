@@ -36,8 +36,8 @@ vec3 positionOf(const Scene& scene, uint32_t vertex) { return vec3(scene.positio
 
 vec3 faceNormal(const Scene& scene, size_t triangle) {
     const uvec4 t = scene.triangles[triangle];
-    return glm::normalize(glm::cross(positionOf(scene, t.y) - positionOf(scene, t.x),
-                                     positionOf(scene, t.z) - positionOf(scene, t.x)));
+    return glm::normalize(
+        glm::cross(positionOf(scene, t.y) - positionOf(scene, t.x), positionOf(scene, t.z) - positionOf(scene, t.x)));
 }
 
 TEST(SceneBuilder, MakesAreaWeightedNormalsWhereThereAreNone) {
@@ -79,9 +79,11 @@ TEST(SceneBuilder, BakedNormalsStayNormalUnderShearAndScale) {
     mesh.indices = {{0, 1, 2}};
     builder.addInstance(builder.addMesh(mesh), m);
     const auto scene = builder.finish();
-    const glm::dvec3 a = glm::dmat3(m) * glm::dvec3(mesh.positions[1]), b = glm::dmat3(m) * glm::dvec3(mesh.positions[2]);
+    const glm::dvec3 a = glm::dmat3(m) * glm::dvec3(mesh.positions[1]),
+                     b = glm::dmat3(m) * glm::dvec3(mesh.positions[2]);
     const glm::dvec3 expected = glm::normalize(glm::cross(a, b));
-    for (int i = 0; i < 3; i++) EXPECT_GT(glm::dot(glm::dvec3(scene->attributes[i].normal), expected), std::cos(1.7e-4));
+    for (int i = 0; i < 3; i++)
+        EXPECT_GT(glm::dot(glm::dvec3(scene->attributes[i].normal), expected), std::cos(1.7e-4));
 }
 
 TEST(SceneBuilder, SharesGeometryOfAMeshUsedTwice) {
@@ -171,7 +173,8 @@ TEST(SceneBuilder, MakesTangentsForNormalTexturesAlone) {
     for (const bool mirrored : {false, true}) {
         SceneBuilder builder("t");
         Material material = SceneBuilder::defaultMaterial();
-        material.normalTexture = builder.addTexture(SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
+        material.normalTexture = builder.addTexture(
+            SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
         MeshData mesh = square();
         if (mirrored) {
             for (vec2& uv : mesh.uv0) uv.x = -uv.x;
@@ -193,7 +196,8 @@ TEST(SceneBuilder, MakesTangentsForNormalTexturesAlone) {
 TEST(SceneBuilder, DoublesVerticesBetweenMirroredTextureHalves) {
     SceneBuilder builder("t");
     Material material = SceneBuilder::defaultMaterial();
-    material.normalTexture = builder.addTexture(SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
+    material.normalTexture = builder.addTexture(
+        SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
     MeshData mesh;  // u runs 0 1 0 along x: the right half is mirrored
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}};
     mesh.uv0 = {{0, 1}, {1, 1}, {0, 1}, {1, 0}};

@@ -73,14 +73,15 @@ inline std::string glb(std::string json, std::string binary) {
     return file;
 }
 
-/// A triangle (0,0,0) (1,0,0) (0,1,0): JSON of a whole glTF around the buffer's uri property, or none. `extra`: more root
-/// properties, with a leading comma.
+/// A triangle (0,0,0) (1,0,0) (0,1,0): JSON of a whole glTF around the buffer's uri property, or none. `extra`: more
+/// root properties, with a leading comma.
 inline std::string triangleJson(const std::string& uri, const std::string& extra = {}) {
     const std::string uriProperty = uri.empty() ? "" : R"("uri":")" + uri + R"(",)";
     return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
            R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],)"
-           R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{)" + uriProperty + R"("byteLength":36}])" + extra + "}";
+           R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{)" +
+           uriProperty + R"("byteLength":36}])" + extra + "}";
 }
 
 inline std::string triangleBytes() { return bytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}); }
