@@ -25,7 +25,7 @@ void BatchSize::learn(double seconds, uint64_t samples) {
 }
 
 uint64_t BatchSize::samples() const {
-    if (!(secondsPerSample > 0.0)) return 4 * least;
+    if (!(secondsPerSample > 0.0)) return std::min(4 * least, most);
     double wanted = targetSeconds / secondsPerSample;
     return static_cast<uint64_t>(std::clamp(wanted, static_cast<double>(least), static_cast<double>(most)));
 }

@@ -27,7 +27,7 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
     return size <= 1 ? 1 : size <= 4 ? 4 : roundUp(size, 8);
 }
 
-TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth) : gpu_(gpu) {
+TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint32_t> other) : gpu_(gpu) {
     VkDescriptorSetLayoutBinding bindings[binding::COUNT];
     uint32_t texels = 0;
     for (uint32_t i = 0; i < binding::COUNT; i++) {
@@ -55,7 +55,8 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth) : gpu_(gpu) {
     pool.poolSizeCount = texels > 0 ? 2 : 1;
     pool.pPoolSizes = sizes;
     check(vkCreateDescriptorPool(gpu.handle(), &pool, nullptr, &pool_), "make a descriptor pool");
-    std::vector<uint32_t> code = withoutContraction(bvhWidth == 4 ? shaders::traceWide4 : shaders::traceWide2);
+    if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4 : shaders::traceWide2;
+    std::vector<uint32_t> code = withoutContraction(other);
     VkShaderModuleCreateInfo module{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     module.codeSize = code.size() * sizeof(uint32_t);
     module.pCode = code.data();

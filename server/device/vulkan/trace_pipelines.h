@@ -15,8 +15,8 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings);
 
 class TracePipelines {
 public:
-    /// bvhWidth: 2 or 4, as the scene's.
-    TracePipelines(Gpu& gpu, uint32_t bvhWidth);
+    /// bvhWidth: 2 or 4, as the scene's. `code`: another shader over the same bindings; its constant 1 is then free.
+    TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint32_t> code = {});
     ~TracePipelines();
     TracePipelines(const TracePipelines&) = delete;
     TracePipelines& operator=(const TracePipelines&) = delete;

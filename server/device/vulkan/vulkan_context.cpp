@@ -109,7 +109,7 @@ std::shared_ptr<VulkanContext> vulkanContext(const VulkanOptions& options) {
     std::lock_guard lock(mutex);
     std::shared_ptr<VulkanContext> context = shared.lock();
     if (context && context->options().validation == options.validation &&
-        context->options().memoryLimit == options.memoryLimit)
+        context->options().memoryLimit == options.memoryLimit && context->options().batchSamples == options.batchSamples)
         return context;
     auto made = std::make_shared<VulkanContext>(options);
     if (!context) shared = made;

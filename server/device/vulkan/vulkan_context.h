@@ -13,6 +13,7 @@ namespace heliograph {
 struct VulkanOptions {
     bool validation = false;       // the validation layer checks every call; its messages are logged and counted
     uint64_t memoryLimit = 0;      // bytes that a device may allocate, 0 = what the driver grants
+    uint64_t batchSamples = 0;     // pixel samples of a batch, 0 = by the measured rate; for benchmarks
 };
 
 /// One physical device as found.

@@ -24,6 +24,7 @@ public:
         : context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
           pipelines_(gpu_, GpuScene::widthFor(gpu_.physical())) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
+        if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
         name_ = "vulkan:" + std::to_string(gpu_.physical().index);
     }
 

@@ -1,0 +1,4 @@
+#version 460
+#extension GL_EXT_ray_tracing : require
+layout(location = 0) rayPayloadInEXT uvec2 found;
+void main() { found = uvec2(0xffffffffu, 0u); }
