@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
@@ -282,6 +283,19 @@ TEST_P(GeneratedScene, KeepsItsCamerasAndPathsClearOfEverything) {
         for (int i = 0; i < 400; ++i) {
             if (!check(path.name + " " + std::to_string(i / 4) + " %", cameraOnPath(path, i / 400.0, 60.0f).position)) break;
         }
+    }
+}
+
+TEST_P(GeneratedScene, IsDescribedAsItIs) {
+    std::ifstream file(HELIOGRAPH_SOURCE_DIR "/scenes/README.md");
+    std::string line, rows;
+    while (std::getline(file, line))
+        if (line.starts_with("| `" + GetParam() + "`")) rows += line + "\n";
+    const auto scene = generated(GetParam());
+    for (const NamedCamera& camera : scene->cameras) EXPECT_NE(rows.find(camera.name), std::string::npos) << camera.name;
+    for (const CameraPath& path : scene->paths) {
+        const std::string text = path.name + " (" + std::to_string(int(path.seconds)) + ")";
+        EXPECT_NE(rows.find(text), std::string::npos) << text;
     }
 }
 

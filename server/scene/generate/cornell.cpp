@@ -55,8 +55,8 @@ void fillCornell(SceneBuilder& builder) {
     addSphere(ball, 0.26f, 64, 32);
     builder.addInstance(builder.addMesh(ball.take()), mat4(1.0f));
 
-    builder.addLight(pointLight({0.0f, 1.95f, 0.0f}, {3.0f, 2.7f, 2.2f}));
-    builder.setEnvironmentColor({0.16f, 0.155f, 0.15f});
+    builder.addLight(pointLight({0.0f, 1.95f, 0.0f}, {4.4f, 3.9f, 3.1f}));
+    builder.setEnvironmentColor({0.18f, 0.175f, 0.17f});
     builder.setAoRadius(0.8f);
     builder.setExposure(0.0f);
     builder.addCamera(cameraAt("Front", {0.0f, 1.0f, 3.4f}, {0.0f, 1.0f, 0.0f}, 40.0f));
