@@ -118,7 +118,7 @@ void Film::addRow(const Block& block, bool first, const vec4* from, size_t pixel
 bool Film::add(const TileResult& result) {
     if (!claim(result)) return false;
     const Tile& tile = result.tile;
-    const vec4* from = result.radianceSum.data();
+    const vec4* from = result.sums().data();
     for (uint32_t y = tile.origin.y; y < tile.origin.y + tile.size.y; y++, from += tile.size.x) {
         const Block* blocks = &blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x];
         const size_t row = static_cast<size_t>(y) * resolution_.x;
