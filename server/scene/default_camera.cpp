@@ -93,22 +93,29 @@ NamedCamera defaultCamera(const Scene& scene) {
     const dvec3 low(scene.bounds.low), high(scene.bounds.high);
     const dvec3 size = high - low;
     const dvec3 center = 0.5 * (low + high);
-    const double radius = std::max(0.5 * glm::length(size), 1e-6);
     const dvec3 eye(center.x, low.y + 0.3 * size.y, center.z);
     if (looksLikeRoom(scene, eye)) {
         const dvec3 along = size.x >= size.z ? dvec3(1.0, 0.0, 0.0) : dvec3(0.0, 0.0, 1.0);
         const Nearest behind = traceAll(scene, eye, along);
-        const double back = std::min(behind.distance, 0.5 * glm::dot(size, along)) * 0.8;
+        const double back = std::min(behind.distance, 0.5 * glm::dot(size, along)) * 0.65;
         camera.position = vec3(eye + along * back);
         camera.forward = vec3(dvec3(0.0) - along);
         return camera;
     }
     const dvec3 direction = glm::normalize(dvec3(0.45, 0.35, 1.0));
-    const double distance = 1.05 * radius / std::sin(0.5 * FIELD_OF_VIEW * std::numbers::pi / 180.0);
-    camera.position = vec3(center + direction * distance);
-    camera.forward = vec3(-direction);
     const dvec3 right = glm::normalize(glm::cross(-direction, dvec3(0.0, 1.0, 0.0)));
-    camera.up = vec3(glm::cross(right, -direction));
+    const dvec3 up = glm::cross(right, -direction);
+    // The distance at which every corner of the bounds fits into a square picture, and a tenth more.
+    const double tangent = std::tan(0.5 * FIELD_OF_VIEW * std::numbers::pi / 180.0);
+    double distance = 0.0;
+    for (int i = 0; i < 8; i++) {
+        const dvec3 corner = 0.5 * dvec3(i & 1 ? size.x : -size.x, i & 2 ? size.y : -size.y, i & 4 ? size.z : -size.z);
+        const double aside = std::max(std::abs(glm::dot(corner, right)), std::abs(glm::dot(corner, up)));
+        distance = std::max(distance, aside / tangent + glm::dot(corner, direction));
+    }
+    camera.position = vec3(center + direction * std::max(1.1 * distance, 1e-6));
+    camera.forward = vec3(-direction);
+    camera.up = vec3(up);
     return camera;
 }
 
