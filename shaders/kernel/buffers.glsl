@@ -29,7 +29,7 @@ layout(std430, set = 0, binding = 15) readonly buffer SobolBuffer { uvec2 sobolP
 #define MATERIAL(i, field) materials[i].field
 #define TEXTURE(i, field) textureSlots[i].field
 #define IMAGE(i, field) images[i].field
-#define IMAGE_LEVEL(i, field) imageLevels[i].field
+#define IMAGE_LEVEL(i) uvec4(imageLevels[i].firstTexel, imageLevels[i].width, imageLevels[i].height, 0u)
 #define TEXEL(i) texels[i]
 #define LIGHT(i) lights[i]
 #define ENVIRONMENT environmentData

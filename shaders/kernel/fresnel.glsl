@@ -6,17 +6,22 @@
 float fresnelDielectric(float cosI, float eta, OUT(float) cosT) {
     float c = min(cosI, 1.0f);
     float radicand = (1.0f - eta) * (1.0f + eta) + eta * eta * c * c;
-    bool total = radicand <= 0.0f;
+    bool total = radicand < 0.0f;
     cosT = sqrt(max(radicand, 0.0f));
     float parallel = (c - eta * cosT) / max(c + eta * cosT, 1.0e-20f);
     float perpendicular = (eta * c - cosT) / max(eta * c + cosT, 1.0e-20f);
     return SELECT(total, 1.0f, 0.5f * (parallel * parallel + perpendicular * perpendicular));
 }
 
+// Reflectance at grazing incidence: all, from f0 = 0.02 (water) upwards; 0 for what does not reflect at all (ior 1). After
+// Lagarde & de Rousiers, "Moving Frostbite to Physically Based Rendering" (2014).
+float grazingReflectance(vec3 f0) { return min(50.0f * maxComponent(f0), 1.0f); }
+
 // Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994).
 vec3 fresnelSchlick(vec3 f0, float cosine) {
     float m = saturate(1.0f - cosine);
     float m2 = m * m;
     float m5 = m2 * m2 * m;
-    return f0 + (vec3(1.0f, 1.0f, 1.0f) - f0) * m5;
+    float f90 = grazingReflectance(f0);
+    return f0 + (vec3(f90, f90, f90) - f0) * m5;
 }

@@ -24,7 +24,7 @@
 #define MATERIAL(i, field) scene.materials[i].field
 #define TEXTURE(i, field) scene.textures[i].field
 #define IMAGE(i, field) scene.images[i].field
-#define IMAGE_LEVEL(i, field) scene.imageLevels[i].field
+#define IMAGE_LEVEL(i) uvec4(scene.imageLevels[i].firstTexel, scene.imageLevels[i].width, scene.imageLevels[i].height, 0u)
 #define TEXEL(i) scene.texels[i]
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)

@@ -27,7 +27,7 @@
 #define MATERIAL(i, field) gather(&scene.materials->field, i, sizeof(Material))
 #define TEXTURE(i, field) gather(&scene.textures->field, i, sizeof(TextureSlot))
 #define IMAGE(i, field) gather(&scene.images->field, i, sizeof(Image))
-#define IMAGE_LEVEL(i, field) gather(&scene.imageLevels->field, i, sizeof(ImageLevel))
+#define IMAGE_LEVEL(i) gatherRow(&scene.imageLevels->firstTexel, i, sizeof(ImageLevel))
 #define TEXEL(i) Uint((VectorUint)gatherWords(scene.texels, i, 4))
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)

@@ -15,16 +15,16 @@ struct Shading {
     uint flags;         // MATERIAL_*
 };
 
-// Slope of a height image: three heights one texel apart. Blinn, "Simulation of Wrinkled Surfaces" (1978).
+// Slope of a height image: three heights one texel apart; y runs against v, as in normal maps. Blinn, "Simulation of Wrinkled Surfaces" (1978).
 vec3 bumpNormal(IN(Surface) s, uint slot, float scale) {
     uint image = TEXTURE(slot, image);
-    uint level = IMAGE(image, firstLevel);
-    vec2 du = vec2(1.0f / float(int(IMAGE_LEVEL(level, width))), 0.0f);
-    vec2 dv = vec2(0.0f, 1.0f / float(int(IMAGE_LEVEL(level, height))));
+    uvec4 level = IMAGE_LEVEL(IMAGE(image, firstLevel));
+    vec2 du = vec2(1.0f / float(int(level.y)), 0.0f);
+    vec2 dv = vec2(0.0f, 1.0f / float(int(level.z)));
     float h = sampleTexture(slot, s.uv0, s.uv1, s.footprint).x;
     float hu = sampleTexture(slot, s.uv0 + du, s.uv1 + du, s.footprint).x;
     float hv = sampleTexture(slot, s.uv0 + dv, s.uv1 + dv, s.footprint).x;
-    return vec3((h - hu) * scale, (h - hv) * scale, 0.25f);
+    return vec3((h - hu) * scale, (hv - h) * scale, 0.25f);
 }
 
 // The normal map's normal in world space, kept above the geometric surface.
@@ -33,11 +33,11 @@ vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
     float det = s.uvEdge1.x * s.uvEdge2.y - s.uvEdge1.y * s.uvEdge2.x;
     float turn = SELECT(det < 0.0f, -1.0f, 1.0f);
     vec3 tangent = (s.edge1 * s.uvEdge2.y - s.edge2 * s.uvEdge1.y) * turn;
-    float handedness = turn;
+    float handedness = -turn;  // the bitangent runs against v, as glTF has it
     if (HAS(EFFECT_TANGENTS)) {
         bool given = s.tangentSign != 0.0f;
         tangent = SELECT(given, s.tangent, tangent);
-        handedness = SELECT(given, s.tangentSign, turn);
+        handedness = SELECT(given, s.tangentSign, -turn);
     }
     vec3 t = tangent - s.normal * dot(tangent, s.normal);
     float tt = dot(t, t);
@@ -142,6 +142,7 @@ Shading shadingAt(IN(Surface) s) {
         r.transmission = SELECT(unlit, 0.0f, r.transmission);
         r.mirror = SELECT(unlit, 0.0f, r.mirror);
         r.exponent = SELECT(unlit, 0.0f, r.exponent);
+        r.flags = SELECT(unlit, r.flags | MATERIAL_PHONG, r.flags);  // the model that adds no Fresnel reflection
     }
     return r;
 }

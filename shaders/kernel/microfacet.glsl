@@ -22,7 +22,8 @@ float visibilityGgx(float nDotV, float nDotL, float a) {
 vec3 diffuseShare(vec3 f0, float roughness, float cosine) {
     float m = 1.0f - cosine;
     float smooth_ = (1.0f - roughness * (1.6f - 0.66f * roughness)) * m * m * m;
-    return vec3(1.0f, 1.0f, 1.0f) - f0 - (vec3(1.0f, 1.0f, 1.0f) - f0) * smooth_;
+    float f90 = grazingReflectance(f0);
+    return vec3(1.0f, 1.0f, 1.0f) - f0 - (vec3(f90, f90, f90) - f0) * smooth_;
 }
 
 // Directional albedo of a rough specular lobe under uniform light. Karis, "Physically Based Shading on Mobile" (2014), fit.
@@ -33,6 +34,6 @@ vec3 environmentBrdf(vec3 f0, float roughness, float nDotV) {
     float rw = 0.022f * roughness - 0.04f;
     float a004 = min(rx * rx, expKernel(-6.43775f * nDotV)) * rx + ry;  // 2^(-9.28 x)
     float scale = -1.04f * a004 + rz;
-    float bias = 1.04f * a004 + rw;
+    float bias = (1.04f * a004 + rw) * grazingReflectance(f0);
     return f0 * scale + vec3(bias, bias, bias);
 }

@@ -33,10 +33,14 @@ vec4 decodeTexel(uint word, uint format) {
 // Coordinate wrapped into [0, 1]; what is not a usable number counts as 0.
 float wrapCoordinate(float x, uint mode) {
     float safe = SELECT(abs(x) < 1.0e9f, x, 0.0f);
-    float repeated = safe - floor(safe);
-    float pair = safe - 2.0f * floor(safe * 0.5f);
-    float mirrored = SELECT(pair > 1.0f, 2.0f - pair, pair);
-    return SELECT(mode == WRAP_REPEAT, repeated, SELECT(mode == WRAP_CLAMP, saturate(safe), mirrored));
+    float result = safe - floor(safe);
+    bool other = mode != WRAP_REPEAT;
+    if (ANY(other)) {
+        float pair = safe - 2.0f * floor(safe * 0.5f);
+        float mirrored = SELECT(pair > 1.0f, 2.0f - pair, pair);
+        result = SELECT(other, SELECT(mode == WRAP_CLAMP, saturate(safe), mirrored), result);
+    }
+    return result;
 }
 
 // Index of a texel that filtering takes from just outside.
@@ -45,25 +49,24 @@ int wrapTexel(int i, int size, uint mode) {
     return SELECT(mode == WRAP_REPEAT, around, min(max(i, 0), size - 1));
 }
 
-// Bilinear sample of one level; u and v already wrapped into [0, 1].
-vec4 sampleLevel(uint level, uint format, float u, float v, uint wrapU, uint wrapV) {
-    int w = int(IMAGE_LEVEL(level, width));
-    int h = int(IMAGE_LEVEL(level, height));
-    uint first = IMAGE_LEVEL(level, firstTexel);
+// Bilinear sample of one level, given as IMAGE_LEVEL gives it; u and v already wrapped into [0, 1].
+vec4 sampleLevel(uvec4 level, uint format, float u, float v, uint wrapU, uint wrapV) {
+    int w = int(level.y);
+    int h = int(level.z);
     float x = u * float(w) - 0.5f;
     float y = v * float(h) - 0.5f;
     float fx = floor(x);
     float fy = floor(y);
     float wx = x - fx;
     float wy = y - fy;
-    int x0 = wrapTexel(int(fx), w, wrapU);
-    int x1 = wrapTexel(int(fx) + 1, w, wrapU);
-    uint row0 = first + uint(wrapTexel(int(fy), h, wrapV) * w);
-    uint row1 = first + uint(wrapTexel(int(fy) + 1, h, wrapV) * w);
-    vec4 t00 = decodeTexel(TEXEL(row0 + uint(x0)), format);
-    vec4 t10 = decodeTexel(TEXEL(row0 + uint(x1)), format);
-    vec4 t01 = decodeTexel(TEXEL(row1 + uint(x0)), format);
-    vec4 t11 = decodeTexel(TEXEL(row1 + uint(x1)), format);
+    uint x0 = uint(wrapTexel(int(fx), w, wrapU));
+    uint x1 = uint(wrapTexel(int(fx) + 1, w, wrapU));
+    uint row0 = level.x + uint(wrapTexel(int(fy), h, wrapV) * w);
+    uint row1 = level.x + uint(wrapTexel(int(fy) + 1, h, wrapV) * w);
+    vec4 t00 = decodeTexel(TEXEL(row0 + x0), format);
+    vec4 t10 = decodeTexel(TEXEL(row0 + x1), format);
+    vec4 t01 = decodeTexel(TEXEL(row1 + x0), format);
+    vec4 t11 = decodeTexel(TEXEL(row1 + x1), format);
     vec4 top = t00 + (t10 - t00) * wx;
     vec4 bottom = t01 + (t11 - t01) * wx;
     return top + (bottom - top) * wy;
@@ -74,10 +77,21 @@ vec4 sampleLevel(uint level, uint format, float u, float v, uint wrapU, uint wra
 vec4 sampleImage(uint image, float u, float v, uint wrapU, uint wrapV, float area) {
     uint base = IMAGE(image, firstLevel);
     float last = float(int(IMAGE(image, levelCount))) - 1.0f;
-    float texels = area * float(int(IMAGE_LEVEL(base, width))) * float(int(IMAGE_LEVEL(base, height)));
+    uvec4 finest = IMAGE_LEVEL(base);
+    float texels = area * float(int(finest.y)) * float(int(finest.z));
     float lod = floor(0.5f * log2Rough(min(max(texels, 1.0f), 1.0e20f)) + 0.5f);
-    uint level = base + uint(min(max(lod, 0.0f), last));
+    uvec4 level = IMAGE_LEVEL(base + uint(min(max(lod, 0.0f), last)));
     return sampleLevel(level, IMAGE(image, format), wrapCoordinate(u, wrapU), wrapCoordinate(v, wrapV), wrapU, wrapV);
+}
+
+// The texel at (u, v), unfiltered.
+vec4 sampleNearest(uint image, float u, float v, uint wrapU, uint wrapV) {
+    uvec4 level = IMAGE_LEVEL(IMAGE(image, firstLevel));
+    int w = int(level.y);
+    int h = int(level.z);
+    int x = min(int(wrapCoordinate(u, wrapU) * float(w)), w - 1);
+    int y = min(int(wrapCoordinate(v, wrapV) * float(h)), h - 1);
+    return decodeTexel(TEXEL(level.x + uint(y * w + x)), IMAGE(image, format));
 }
 
 // Sample of a material's texture; white where `slot` is NO_INDEX. `area`: squared footprint in uv units before the slot's
@@ -85,7 +99,8 @@ vec4 sampleImage(uint image, float u, float v, uint wrapU, uint wrapV, float are
 vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, float area) {
     bool present = slot != NO_INDEX;
     uint index = SELECT(present, slot, uint(0u));
-    vec2 uv = SELECT(TEXTURE(index, uvSet) == 0u, uv0, uv1);
+    vec2 uv = uv0;
+    if (HAS(EFFECT_SECOND_UV)) uv = SELECT(TEXTURE(index, uvSet) == 0u, uv0, uv1);
     vec4 transform = TEXTURE(index, transform);
     vec2 offset = TEXTURE(index, offset);
     float u = transform.x * uv.x + transform.y * uv.y + offset.x;
@@ -96,14 +111,6 @@ vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, float area) {
     uint image = TEXTURE(index, image);
     vec4 color = sampleImage(image, u, v, wrapU, wrapV, area * scale);
     bool nearest = TEXTURE(index, nearest) != 0u;
-    if (ANY(nearest)) {
-        uint base = IMAGE(image, firstLevel);
-        int w = int(IMAGE_LEVEL(base, width));
-        int h = int(IMAGE_LEVEL(base, height));
-        int x = min(int(wrapCoordinate(u, wrapU) * float(w)), w - 1);
-        int y = min(int(wrapCoordinate(v, wrapV) * float(h)), h - 1);
-        uint texel = IMAGE_LEVEL(base, firstTexel) + uint(y * w + x);
-        color = SELECT(nearest, decodeTexel(TEXEL(texel), IMAGE(image, format)), color);
-    }
+    if (ANY(nearest)) color = SELECT(nearest, sampleNearest(image, u, v, wrapU, wrapV), color);
     return SELECT(present, color, vec4(1.0f, 1.0f, 1.0f, 1.0f));
 }

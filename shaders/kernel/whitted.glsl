@@ -123,10 +123,10 @@ vec3 ambientContribution(IN(Shading) m, vec3 wo, vec3 throughput) {
         float followed = traceableShare(m.roughness);
         float cosine = dot(m.normal, wo);
         float nDotV = saturate(cosine);
-        vec3 lobe = environmentBrdf(m.f0, m.roughness, nDotV) * ((1.0f - followed) * (1.0f - m.transmission));
+        vec3 lobe = environmentBrdf(m.f0, m.roughness, nDotV) * (1.0f - followed);
         vec3 mirror = fresnelSchlick(m.f0, nDotV) * followed;
         vec3 r = m.normal * (2.0f * cosine) - wo;
-        vec3 rough = ambient * (vec3(1.0f, 1.0f, 1.0f) - lobe - mirror) + lobe * ambientLight(r);
+        vec3 rough = ambient * (vec3(1.0f, 1.0f, 1.0f) - lobe - mirror) + lobe * ambientLight(r) * (1.0f - m.transmission);
         ambient = SELECT(phong, ambient, rough);
     }
     return throughput * ambient * m.alpha;

@@ -401,9 +401,14 @@ private:
             OcclusionGroup& group = arena_.occlusion.data[first / PACKET];
             uint32_t points = lesser(PACKET, arena_.occlusionCount - first);
             uint32_t visible[PACKET] = {};
+            Hemisphere hemispheres[PACKET / LANES];
+            for (uint32_t at = 0; at < PACKET; at += LANES) hemispheres[at / LANES] = hemisphereOf(group, at);
+            std::memcpy(rays.org_x, group.origin[0], sizeof rays.org_x);
+            std::memcpy(rays.org_y, group.origin[1], sizeof rays.org_x);
+            std::memcpy(rays.org_z, group.origin[2], sizeof rays.org_x);
             for (uint32_t index = 0; index < samples; index++) {
                 uvec2 point = kernel_.scene.sobol[kernel_.occlusionNumber(sample_, index)];
-                for (uint32_t at = 0; at < PACKET; at += LANES) aimOcclusion(group, at, point, rays);
+                for (uint32_t at = 0; at < PACKET; at += LANES) aimOcclusion(hemispheres[at / LANES], at, point, rays);
                 for (float& distance : rays.tfar) distance = kernel_.frame.aoDistance;
                 uint32_t passed = 0;
                 uint32_t blocked = traceOccluded(job_.rtcScene, rays, points, mode, passed);
@@ -414,20 +419,26 @@ private:
         }
     }
 
-    HELIOGRAPH_INLINE void aimOcclusion(const OcclusionGroup& group, uint32_t at, uvec2 point, RTCRay16& rays) {
-        Vec3 normal = getVector(group.normal, at);
-        Vec3 tangent, bitangent;
-        kernel_.orthonormalBasis(normal, tangent, bitangent);
-        VectorUint shift;
-        std::memcpy(&shift, group.shift + at, sizeof shift);
-        Vec3 d = kernel_.occlusionDirection(Uvec2(point), Uint(shift), normal, getVector(group.geometricNormal, at), tangent,
-                                            bitangent);
+    /// Where the occlusion rays of LANES points go: the same for all of their samples.
+    struct Hemisphere {
+        Vec3 normal, geometricNormal, tangent, bitangent;
+        Uint shift;
+    };
+
+    HELIOGRAPH_INLINE Hemisphere hemisphereOf(const OcclusionGroup& group, uint32_t at) {
+        Hemisphere h;
+        h.normal = getVector(group.normal, at);
+        h.geometricNormal = getVector(group.geometricNormal, at);
+        kernel_.orthonormalBasis(h.normal, h.tangent, h.bitangent);
+        std::memcpy(&h.shift.v, group.shift + at, sizeof h.shift.v);
+        return h;
+    }
+
+    HELIOGRAPH_INLINE void aimOcclusion(const Hemisphere& h, uint32_t at, uvec2 point, RTCRay16& rays) {
+        Vec3 d = kernel_.occlusionDirection(Uvec2(point), h.shift, h.normal, h.geometricNormal, h.tangent, h.bitangent);
         std::memcpy(rays.dir_x + at, &d.x.v, sizeof d.x.v);
         std::memcpy(rays.dir_y + at, &d.y.v, sizeof d.x.v);
         std::memcpy(rays.dir_z + at, &d.z.v, sizeof d.x.v);
-        std::memcpy(rays.org_x + at, group.origin[0] + at, sizeof d.x.v);
-        std::memcpy(rays.org_y + at, group.origin[1] + at, sizeof d.x.v);
-        std::memcpy(rays.org_z + at, group.origin[2] + at, sizeof d.x.v);
     }
 
     void addAmbient(const OcclusionGroup& group, uint32_t at, uint32_t points, const uint32_t* visible) {
