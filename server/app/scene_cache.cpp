@@ -13,6 +13,7 @@ namespace {
 /// Thrown from progress reports when nobody waits for the scene any more.
 struct Abandoned {};
 
+const std::string WAITING = "Waiting for another scene";
 constexpr double OPENING_SHARE = 0.7;  // of the progress; the rest is the device's
 
 }  // namespace
@@ -37,6 +38,8 @@ void SceneCache::stop() {
 
 std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener listener) {
     auto ticket = std::make_shared<Ticket>(Ticket{std::move(listener)});
+    // Told before the ticket is in the queue: afterwards the loading thread might be ahead with `ready`.
+    if (auto stand = standOf(name)) ticket->listener.progress(stand->first, stand->second);
     std::shared_ptr<ResidentScene> resident;
     {
         std::lock_guard lock(mutex_);
@@ -48,16 +51,33 @@ std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener li
         } else if (loading != loads_.end()) {
             loading->tickets.push_back(ticket);
         } else {
-            auto inUse = static_cast<size_t>(std::count_if(residents_.begin(), residents_.end(), [](const Resident& r) { return r.scene.use_count() > 1; }));
-            if (inUse + loads_.size() >= most_) {
-                throw InputError("scene.name", "viewers already look at " + std::to_string(inUse) + " other scenes", "one of theirs, or later");
-            }
-            loads_.push_back({name, {ticket}});
+            checkRoom();
+            loads_.push_back({name, {ticket}, WAITING, 0.0});
         }
     }
     if (resident) ticket->listener.ready(resident);
     else changed_.notify_all();
     return ticket;
+}
+
+/// What is done for the scene, and its share; nothing if it is resident. Throws InputError when it does not fit.
+std::optional<std::pair<std::string, double>> SceneCache::standOf(const std::string& name) const {
+    std::lock_guard lock(mutex_);
+    for (const Resident& resident : residents_) {
+        if (resident.name == name) return std::nullopt;
+    }
+    for (const Load& load : loads_) {
+        if (load.name == name) return std::pair(load.what, load.share);
+    }
+    checkRoom();
+    return std::pair(loads_.empty() ? "Opening " + name : WAITING, 0.0);
+}
+
+/// With the lock held. Throws InputError when no further scene fits.
+void SceneCache::checkRoom() const {
+    auto used = std::count_if(residents_.begin(), residents_.end(), [](const Resident& r) { return r.scene.use_count() > 1; });
+    if (static_cast<size_t>(used) + loads_.size() < most_) return;
+    throw InputError("scene.name", "viewers already look at " + std::to_string(used) + " other scenes", "one of theirs, or later");
 }
 
 size_t SceneCache::residentCount() const {
@@ -155,6 +175,8 @@ void SceneCache::progress(const std::string& what, double share) {
         std::lock_guard lock(mutex_);
         if (stopped_) throw Abandoned();
         tickets = waiting();
+        loads_.front().what = what;
+        loads_.front().share = share;
     }
     if (tickets.empty()) throw Abandoned();
     for (const auto& ticket : tickets) ticket->listener.progress(what, share);

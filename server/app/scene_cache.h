@@ -17,7 +17,8 @@ public:
     /// Gives up the load in progress, at its next report of progress.
     ~SceneCache();
 
-    /// Calls the listener at once if the scene is resident, else later from the loading thread. The load is given up when
+    /// Calls the listener at once if the scene is resident, else later from the loading thread; where the load stands is
+    /// told at once. The load is given up when
     /// all its tickets are gone. Throws InputError when `most` scenes are in use.
     std::shared_ptr<void> open(const std::string& name, SceneListener listener);
     size_t residentCount() const;
@@ -26,9 +27,16 @@ public:
 
 private:
     struct Ticket { SceneListener listener; };
-    struct Load { std::string name; std::vector<std::weak_ptr<Ticket>> tickets; };
+    struct Load {
+        std::string name;
+        std::vector<std::weak_ptr<Ticket>> tickets;
+        std::string what;  // the last report
+        double share = 0.0;
+    };
     struct Resident { std::string name; std::shared_ptr<ResidentScene> scene; uint64_t lastUse = 0; };
 
+    std::optional<std::pair<std::string, double>> standOf(const std::string& name) const;
+    void checkRoom() const;
     void run();
     void load(const std::string& name);
     std::shared_ptr<ResidentScene> make(const std::string& name);

@@ -205,7 +205,13 @@ void Session::openScene(const std::string& name) {
     listener.failed = [=](const std::string& why, std::exception_ptr) {
         if (auto session = self.lock()) session->sceneFailed(order, why);
     };
-    std::shared_ptr<void> ticket = host_.openScene(name, std::move(listener));
+    std::shared_ptr<void> ticket;
+    try {
+        ticket = host_.openScene(name, std::move(listener));
+    } catch (const InputError& e) {
+        sceneFailed(order, e.what());
+        throw;
+    }
     std::lock_guard lock(mutex_);
     // Swapped, so that the ticket before goes after the lock.
     if (order == sceneOrder_ && !ended_) std::swap(sceneTicket_, ticket);

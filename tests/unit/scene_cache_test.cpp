@@ -48,6 +48,10 @@ struct Told {
         std::unique_lock lock(mutex);
         return changed.wait_for(lock, PATIENCE, condition);
     }
+    /// Inside the opener.
+    bool untilReading() {
+        return until([&] { return !progress.empty() && progress.back().first == "reading"; });
+    }
     bool untilReady() {
         return until([&] { return scene != nullptr; });
     }
@@ -115,6 +119,20 @@ TEST(SceneCache, ProgressGrowsFromOpeningToBuilding) {
     EXPECT_EQ(told.progress.back().first, "building");
 }
 
+TEST(SceneCache, WhoComesLateIsToldWhereTheLoadStands) {
+    Source source;
+    Told early, late, queued;
+    SceneCache cache(source.opener(), source.devices(), {});
+    auto one = cache.open("slow", early.listener());
+    ASSERT_TRUE(early.untilReading());
+    auto two = cache.open("slow", late.listener());
+    EXPECT_EQ(late.progress.front(), (std::pair<std::string, double>("reading", 0.7 * 0.5)));
+    auto three = cache.open("other", queued.listener());
+    EXPECT_EQ(queued.progress.front(), (std::pair<std::string, double>("Waiting for another scene", 0.0)));
+    source.release = true;
+    ASSERT_TRUE(queued.untilReady());
+}
+
 TEST(SceneCache, FailuresAreToldAndTriedAgain) {
     Source source;
     Told first, second, huge;
@@ -136,7 +154,7 @@ TEST(SceneCache, ALoadThatNobodyWaitsForIsGivenUp) {
     Told lost, other;
     SceneCache cache(source.opener(), source.devices(), {});
     auto ticket = cache.open("slow", lost.listener());
-    ASSERT_TRUE(lost.until([&] { return !lost.progress.empty(); }));
+    ASSERT_TRUE(lost.untilReading());
     auto next = cache.open("quick", other.listener());
     ticket.reset();
     ASSERT_TRUE(other.untilReady());  // would wait for ever behind the slow one
@@ -151,7 +169,7 @@ TEST(SceneCache, EndsInTheMiddleOfALoad) {
     {
         SceneCache cache(source.opener(), source.devices(), {});
         ticket = cache.open("slow", told.listener());
-        ASSERT_TRUE(told.until([&] { return !told.progress.empty(); }));
+        ASSERT_TRUE(told.untilReading());
     }
     EXPECT_EQ(source.abandoned, 1);
 }

@@ -336,6 +336,7 @@ TEST(Session, AFullServerRefusesAnotherScene) {
     line.host.full = true;
     line.say({{"type", "scene"}, {"name", "second"}});
     EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("no room"));
+    EXPECT_EQ(line.socket->last("scene")["state"], "failed");
 }
 
 TEST(Session, WithoutTheTokenNothingIsTold) {
