@@ -60,7 +60,8 @@ std::vector<WorldTriangle> worldTriangles(const Scene& scene) {
 
 std::string describe(const Scene& scene, const WorldTriangle& t) {
     std::ostringstream text;
-    text << scene.materialNames[t.material] << " at (" << t.center().x << ", " << t.center().y << ", " << t.center().z << ")";
+    text << scene.materialNames[t.material] << " at (" << t.center().x << ", " << t.center().y << ", " << t.center().z
+         << ")";
     return text.str();
 }
 
@@ -103,12 +104,14 @@ Flat flattened(const WorldTriangle& t, int dropped) {
 }
 
 float longestEdge(const WorldTriangle& t) {
-    return std::max({glm::length(t.corner[1] - t.corner[0]), glm::length(t.corner[2] - t.corner[1]), glm::length(t.corner[0] - t.corner[2])});
+    return std::max({glm::length(t.corner[1] - t.corner[0]), glm::length(t.corner[2] - t.corner[1]),
+                     glm::length(t.corner[0] - t.corner[2])});
 }
 
-/// Pairs that lie in one plane (to `gap` metres) and share more than a strip of `width` metres along the smaller one. Rounding
-/// makes neighbours share slivers of a micrometre.
-std::vector<std::pair<size_t, size_t>> overlappingPairs(const std::vector<WorldTriangle>& list, float gap, double width) {
+/// Pairs that lie in one plane (to `gap` metres) and share more than a strip of `width` metres along the smaller one.
+/// Rounding makes neighbours share slivers of a micrometre.
+std::vector<std::pair<size_t, size_t>> overlappingPairs(const std::vector<WorldTriangle>& list, float gap,
+                                                        double width) {
     using Key = std::tuple<int, int, int, int>;
     std::map<Key, std::vector<size_t>> planes;
     for (size_t i = 0; i < list.size(); ++i) {
@@ -117,29 +120,39 @@ std::vector<std::pair<size_t, size_t>> overlappingPairs(const std::vector<WorldT
         if (length < 1e-7f) continue;
         n /= length;
         const vec3 magnitude = glm::abs(n);
-        const int largest = magnitude.x > magnitude.y ? (magnitude.x > magnitude.z ? 0 : 2) : (magnitude.y > magnitude.z ? 1 : 2);
+        const int largest =
+            magnitude.x > magnitude.y ? (magnitude.x > magnitude.z ? 0 : 2) : (magnitude.y > magnitude.z ? 1 : 2);
         if (n[largest] < 0.0f) n = -n;
         const float d = glm::dot(n, list[i].center());
         // Two overlapping sets of slabs: planes closer than half a slab share at least one.
         for (int half = 0; half < 2; ++half) {
             const int slab = int(std::floor(d / (2.0f * gap) + 0.5f * float(half))) * 2 + half;
-            planes[{int(std::lround(n.x * 1000.0f)), int(std::lround(n.y * 1000.0f)), int(std::lround(n.z * 1000.0f)), slab}].push_back(i);
+            planes[{int(std::lround(n.x * 1000.0f)), int(std::lround(n.y * 1000.0f)), int(std::lround(n.z * 1000.0f)),
+                    slab}]
+                .push_back(i);
         }
     }
     std::set<std::pair<size_t, size_t>> found;
     for (auto& [key, members] : planes) {
         const vec3 n = glm::abs(vec3(float(std::get<0>(key)), float(std::get<1>(key)), float(std::get<2>(key))));
         const int dropped = n.x > n.y ? (n.x > n.z ? 0 : 2) : (n.y > n.z ? 1 : 2), axis = (dropped + 1) % 3;
-        auto low = [&](size_t i, int a) { return std::min({list[i].corner[0][a], list[i].corner[1][a], list[i].corner[2][a]}); };
-        auto high = [&](size_t i, int a) { return std::max({list[i].corner[0][a], list[i].corner[1][a], list[i].corner[2][a]}); };
+        auto low = [&](size_t i, int a) {
+            return std::min({list[i].corner[0][a], list[i].corner[1][a], list[i].corner[2][a]});
+        };
+        auto high = [&](size_t i, int a) {
+            return std::max({list[i].corner[0][a], list[i].corner[1][a], list[i].corner[2][a]});
+        };
         std::sort(members.begin(), members.end(), [&](size_t a, size_t b) { return low(a, axis) < low(b, axis); });
         const int other = (dropped + 2) % 3;
         for (size_t i = 0; i < members.size(); ++i) {
             const Flat flat = flattened(list[members[i]], dropped);
             for (size_t j = i + 1; j < members.size() && low(members[j], axis) < high(members[i], axis); ++j) {
-                if (low(members[j], other) >= high(members[i], other) || high(members[j], other) <= low(members[i], other)) continue;
+                if (low(members[j], other) >= high(members[i], other) ||
+                    high(members[j], other) <= low(members[i], other))
+                    continue;
                 const double edge = std::min(longestEdge(list[members[i]]), longestEdge(list[members[j]]));
-                if (commonArea(flat, flattened(list[members[j]], dropped)) > width * edge) found.insert(std::minmax(members[i], members[j]));
+                if (commonArea(flat, flattened(list[members[j]], dropped)) > width * edge)
+                    found.insert(std::minmax(members[i], members[j]));
             }
         }
     }
@@ -164,7 +177,8 @@ float distanceToTriangle(vec3 p, const WorldTriangle& t) {
     const float vb = d5 * d2 - d1 * d6;
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return glm::length(p - (a + ac * (d2 / (d2 - d6))));
     const float va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return glm::length(p - (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))));
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
+        return glm::length(p - (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))));
     const float sum = va + vb + vc;
     return sum > 0 ? glm::length(p - (a + ab * (vb / sum) + ac * (vc / sum))) : glm::length(p - a);
 }
@@ -174,7 +188,8 @@ std::pair<float, size_t> nearest(const std::vector<WorldTriangle>& list, vec3 p,
     std::pair<float, size_t> best{reach, list.size()};
     for (size_t i = 0; i < list.size(); ++i) {
         const auto& c = list[i].corner;
-        const vec3 low = glm::min(c[0], glm::min(c[1], c[2])) - best.first, high = glm::max(c[0], glm::max(c[1], c[2])) + best.first;
+        const vec3 low = glm::min(c[0], glm::min(c[1], c[2])) - best.first,
+                   high = glm::max(c[0], glm::max(c[1], c[2])) + best.first;
         if (glm::any(glm::lessThan(p, low)) || glm::any(glm::greaterThan(p, high))) continue;
         const float d = distanceToTriangle(p, list[i]);
         if (d < best.first) best = {d, i};
@@ -185,8 +200,10 @@ std::pair<float, size_t> nearest(const std::vector<WorldTriangle>& list, vec3 p,
 class GeneratedScene : public testing::TestWithParam<std::string> {};
 
 TEST_P(GeneratedScene, HasAsManyTrianglesAsItsDescriptionSays) {
-    static const std::map<std::string, std::pair<uint64_t, uint64_t>> range = {
-        {"courtyard", {60000, 70000}}, {"cathedral", {70000, 80000}}, {"glass", {90000, 100000}}, {"cornell", {30, 10000}}};
+    static const std::map<std::string, std::pair<uint64_t, uint64_t>> range = {{"courtyard", {60000, 70000}},
+                                                                               {"cathedral", {70000, 80000}},
+                                                                               {"glass", {90000, 100000}},
+                                                                               {"cornell", {30, 10000}}};
     const auto [low, high] = range.at(GetParam());
     EXPECT_GE(generated(GetParam())->triangleCount(), low);
     EXPECT_LE(generated(GetParam())->triangleCount(), high);
@@ -247,7 +264,8 @@ TEST_P(GeneratedScene, HasNormalsOnTheSideOfTheFaces) {
 TEST_P(GeneratedScene, HasClosedGlassBodies) {
     const auto scene = generated(GetParam());
     using Corner = std::tuple<float, float, float>;
-    std::map<std::pair<uint32_t, uint32_t>, std::map<std::pair<Corner, Corner>, int>> bodies;  // (instance, material): edges
+    std::map<std::pair<uint32_t, uint32_t>, std::map<std::pair<Corner, Corner>, int>>
+        bodies;  // (instance, material): edges
     std::map<std::pair<uint32_t, uint32_t>, double> volume;
     for (const WorldTriangle& t : worldTriangles(*scene)) {
         if ((scene->materials[t.material].flags & MATERIAL_VOLUME) == 0) continue;
@@ -275,13 +293,15 @@ TEST_P(GeneratedScene, KeepsItsCamerasAndPathsClearOfEverything) {
     auto check = [&](const std::string& what, vec3 p) {
         const auto [distance, index] = nearest(list, p, clearance);
         if (index == list.size()) return true;
-        ADD_FAILURE() << what << " (" << p.x << ", " << p.y << ", " << p.z << ") is " << distance << " m from " << describe(*scene, list[index]);
+        ADD_FAILURE() << what << " (" << p.x << ", " << p.y << ", " << p.z << ") is " << distance << " m from "
+                      << describe(*scene, list[index]);
         return false;
     };
     for (const NamedCamera& camera : scene->cameras) check(camera.name, camera.position);
     for (const CameraPath& path : scene->paths) {
         for (int i = 0; i < 400; ++i) {
-            if (!check(path.name + " " + std::to_string(i / 4) + " %", cameraOnPath(path, i / 400.0, 60.0f).position)) break;
+            if (!check(path.name + " " + std::to_string(i / 4) + " %", cameraOnPath(path, i / 400.0, 60.0f).position))
+                break;
         }
     }
 }
@@ -292,7 +312,8 @@ TEST_P(GeneratedScene, IsDescribedAsItIs) {
     while (std::getline(file, line))
         if (line.starts_with("| `" + GetParam() + "`")) rows += line + "\n";
     const auto scene = generated(GetParam());
-    for (const NamedCamera& camera : scene->cameras) EXPECT_NE(rows.find(camera.name), std::string::npos) << camera.name;
+    for (const NamedCamera& camera : scene->cameras)
+        EXPECT_NE(rows.find(camera.name), std::string::npos) << camera.name;
     for (const CameraPath& path : scene->paths) {
         const std::string text = path.name + " (" + std::to_string(int(path.seconds)) + ")";
         EXPECT_NE(rows.find(text), std::string::npos) << text;
@@ -318,12 +339,20 @@ TEST(GenerateScene, NamesTheKnownScenesForAnUnknownOne) {
 }
 
 TEST(OverlappingPairs, FindsFacesThatLieOnEachOtherAndNotThoseThatTouch) {
-    auto triangle = [](vec3 a, vec3 b, vec3 c) { return WorldTriangle{.corner = {a, b, c}, .material = 0, .instance = 0}; };
+    auto triangle = [](vec3 a, vec3 b, vec3 c) {
+        return WorldTriangle{.corner = {a, b, c}, .material = 0, .instance = 0};
+    };
     const WorldTriangle a = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
     EXPECT_EQ(overlappingPairs({a, triangle({0.2f, 0.2f, 0}, {0, 1, 0}, {1, 0, 0})}, 1e-4f, 2e-5).size(), 1u);
-    EXPECT_EQ(overlappingPairs({a, triangle({0.1f, 0.1f, 0.00002f}, {0.1f, 0.9f, 0.00002f}, {0.9f, 0.1f, 0.00002f})}, 1e-4f, 2e-5).size(), 1u);
+    EXPECT_EQ(overlappingPairs({a, triangle({0.1f, 0.1f, 0.00002f}, {0.1f, 0.9f, 0.00002f}, {0.9f, 0.1f, 0.00002f})},
+                               1e-4f, 2e-5)
+                  .size(),
+              1u);
     EXPECT_EQ(overlappingPairs({a, triangle({1, 1, 0}, {0, 1, 0}, {1, 0, 0})}, 1e-4f, 2e-5).size(), 0u);
-    EXPECT_EQ(overlappingPairs({a, triangle({0.1f, 0.1f, 0.001f}, {0.9f, 0.1f, 0.001f}, {0.1f, 0.9f, 0.001f})}, 1e-4f, 2e-5).size(), 0u);
+    EXPECT_EQ(
+        overlappingPairs({a, triangle({0.1f, 0.1f, 0.001f}, {0.9f, 0.1f, 0.001f}, {0.1f, 0.9f, 0.001f})}, 1e-4f, 2e-5)
+            .size(),
+        0u);
 }
 
 }  // namespace

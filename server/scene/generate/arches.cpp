@@ -16,7 +16,8 @@ float Arch::heightAt(float x) const {
 }
 
 std::vector<Arch::Point> Arch::leftHalf(uint32_t steps) const {
-    const float center = radius - halfSpan, sweep = std::acos(-center / radius);  // angle from the springing to the apex
+    const float center = radius - halfSpan,
+                sweep = std::acos(-center / radius);  // angle from the springing to the apex
     std::vector<Point> points;
     for (uint32_t i = 0; i <= steps; ++i) {
         const float angle = (3.14159265f - sweep) * float(i) / float(steps);
@@ -43,7 +44,8 @@ void addPanelFace(MeshWriter& writer, const ArchedPanel& p, float z, float side)
     auto rectangle = [&](float x0, float y0, float x1, float y1) {
         if (x1 - x0 < 1e-5f || y1 - y0 < 1e-5f) return;
         const vec2 a = side > 0 ? vec2(x0, x1) : vec2(x1, x0);
-        writer.flatQuad({a.x, y0, z}, {a.y, y0, z}, {a.y, y1, z}, {a.x, y1, z}, {a.x, y0}, {a.y, y0}, {a.y, y1}, {a.x, y1});
+        writer.flatQuad({a.x, y0, z}, {a.y, y0, z}, {a.y, y1, z}, {a.x, y1, z}, {a.x, y0}, {a.y, y0}, {a.y, y1},
+                        {a.x, y1});
     };
     const float left = p.center - p.arch.halfSpan, right = p.center + p.arch.halfSpan;
     const float levels[4] = {p.y0, p.sill, p.springing, p.y1};
@@ -73,8 +75,8 @@ void addArchedPanel(MeshWriter& writer, const ArchedPanel& p) {
     addArchMoulding(writer, p.arch, reveal, p.steps, p.springing - p.sill);
     writer.setTransform(before);
     if (p.sill > p.y0) {
-        writer.flatQuad({p.center - r, p.sill, p.front}, {p.center + r, p.sill, p.front}, {p.center + r, p.sill, p.back},
-                        {p.center - r, p.sill, p.back});
+        writer.flatQuad({p.center - r, p.sill, p.front}, {p.center + r, p.sill, p.front},
+                        {p.center + r, p.sill, p.back}, {p.center - r, p.sill, p.back});
     }
 }
 
@@ -94,7 +96,8 @@ void addArchMoulding(MeshWriter& writer, const Arch& arch, const Polyline& profi
     for (size_t j = 0; j < normals.size(); ++j) {
         const float width = glm::length(profile[j + 1] - profile[j]);
         const vec2 nFrom = blended(j, j - 1), nTo = blended(j, j + 1);  // j - 1 wraps to a huge index for j = 0
-        const auto from = arch.offset(profile[j].x).leftHalf(stepsPerHalf), to = arch.offset(profile[j + 1].x).leftHalf(stepsPerHalf);
+        const auto from = arch.offset(profile[j].x).leftHalf(stepsPerHalf),
+                   to = arch.offset(profile[j + 1].x).leftHalf(stepsPerHalf);
         for (float side : {1.0f, -1.0f}) {
             uint32_t previousFrom = 0, previousTo = 0;
             float along = -leg;
@@ -103,15 +106,18 @@ void addArchMoulding(MeshWriter& writer, const Arch& arch, const Polyline& profi
                 auto corner = [&](const std::vector<Arch::Point>& points, vec2 n, vec2 offset, float v) {
                     const Arch::Point& p = points[size_t(std::max(i, 0))];
                     const float y = i < 0 ? -leg : p.position.y;
-                    return writer.vertex({side * p.position.x, y, offset.y}, {side * p.normal.x * n.x, p.normal.y * n.x, n.y}, {along, v});
+                    return writer.vertex({side * p.position.x, y, offset.y},
+                                         {side * p.normal.x * n.x, p.normal.y * n.x, n.y}, {along, v});
                 };
-                const uint32_t a = corner(from, nFrom, profile[j], across), b = corner(to, nTo, profile[j + 1], across + width);
+                const uint32_t a = corner(from, nFrom, profile[j], across),
+                               b = corner(to, nTo, profile[j + 1], across + width);
                 if (i > first) {
                     if (side > 0) writer.quad(previousFrom, a, b, previousTo);
                     else writer.quad(previousFrom, previousTo, b, a);
                 }
                 previousFrom = a, previousTo = b;
-                if (i >= 0 && i < int(stepsPerHalf)) along += glm::length(from[size_t(i) + 1].position - from[size_t(i)].position);
+                if (i >= 0 && i < int(stepsPerHalf))
+                    along += glm::length(from[size_t(i) + 1].position - from[size_t(i)].position);
                 else if (i < 0) along = 0.0f;
             }
         }
@@ -141,7 +147,9 @@ void addGroinVault(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t s
                 const uint32_t ib = writer.vertex(b, normal, {std::abs(outer), 1.6f * p.y + p.x});
                 if (i > 0) {
                     const bool flip = (side * end > 0.0f) != (web < 2);
-                    auto emit = [&](uint32_t u, uint32_t v, uint32_t w) { flip ? writer.triangle(u, v, w) : writer.triangle(u, w, v); };
+                    auto emit = [&](uint32_t u, uint32_t v, uint32_t w) {
+                        flip ? writer.triangle(u, v, w) : writer.triangle(u, w, v);
+                    };
                     if (i > 1) emit(previousInner, previousOuter, ib);  // the first strip starts in a point
                     emit(previousInner, ib, ia);
                 }
@@ -151,7 +159,8 @@ void addGroinVault(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t s
     }
 }
 
-void addDiagonalRibs(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t stepsPerHalf, float halfWidth, float depth) {
+void addDiagonalRibs(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t stepsPerHalf, float halfWidth,
+                     float depth) {
     const Polyline section = {{-halfWidth, 0.06f}, {-halfWidth, -0.4f * depth}, {-0.35f * halfWidth, -depth},
                               {0.35f * halfWidth, -depth}, {halfWidth, -0.4f * depth}, {halfWidth, 0.06f}};
     const auto half = arch.leftHalf(stepsPerHalf);

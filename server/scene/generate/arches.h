@@ -26,9 +26,9 @@ struct Arch {
     Polyline outline(uint32_t stepsPerHalf) const;
 };
 
-/// A rectangle of wall [x0, x1] x [y0, y1] between the planes z = back and z = front, with one arched opening on the axis
-/// `center`. Below the springing line the opening has vertical jambs down to the sill; sill == y0 leaves no parapet.
-/// The outer edges of the rectangle stay open: panels are set side by side and end inside other bodies.
+/// A rectangle of wall [x0, x1] x [y0, y1] between the planes z = back and z = front, with one arched opening on the
+/// axis `center`. Below the springing line the opening has vertical jambs down to the sill; sill == y0 leaves no
+/// parapet. The outer edges of the rectangle stay open: panels are set side by side and end inside other bodies.
 struct ArchedPanel {
     float x0, x1, y0, y1;
     float back, front;
@@ -42,13 +42,14 @@ void addArchedPanel(MeshWriter& writer, const ArchedPanel& panel);
 /// Moves `profile` (distance outwards from the arch, z) around the arch. It runs from the opening over the front to the
 /// outside; what one sees lies on its left. `leg`: how far it continues straight down below the springing line. Open at
 /// both ends.
-void addArchMoulding(MeshWriter& writer, const Arch& arch, const Polyline& profile, uint32_t stepsPerHalf, float leg = 0.0f,
-                     float creaseDegrees = 30.0f);
+void addArchMoulding(MeshWriter& writer, const Arch& arch, const Polyline& profile, uint32_t stepsPerHalf,
+                     float leg = 0.0f, float creaseDegrees = 30.0f);
 
-/// Two crossing vaults over the rectangle (2 arch.halfSpan) x (2 halfZ), seen from below. Across x the vault follows `arch`, along
-/// z the same arch stretched, so that the groins lie on the diagonals.
+/// Two crossing vaults over the rectangle (2 arch.halfSpan) x (2 halfZ), seen from below. Across x the vault follows
+/// `arch`, along z the same arch stretched, so that the groins lie on the diagonals.
 void addGroinVault(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t stepsPerHalf);
 /// Ribs under the groins of such a vault: half width and depth in metres.
-void addDiagonalRibs(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t stepsPerHalf, float halfWidth, float depth);
+void addDiagonalRibs(MeshWriter& writer, const Arch& arch, float halfZ, uint32_t stepsPerHalf, float halfWidth,
+                     float depth);
 
 }  // namespace heliograph::generate

@@ -50,13 +50,17 @@ public:
     }
 
 private:
-    size_t index(glm::ivec3 c) const { return (size_t(c.z) * size_t(size_.y) + size_t(c.y)) * size_t(size_.x) + size_t(c.x); }
+    size_t index(glm::ivec3 c) const {
+        return (size_t(c.z) * size_t(size_.y) + size_t(c.y)) * size_t(size_.x) + size_t(c.x);
+    }
     vec3 corner(glm::ivec3 c) const { return low_ + cell_ * vec3(c); }
 
     vec3 gradient(vec3 p) const {
         const float e = 0.1f * cell_;
-        return vec3(field_(p + vec3(e, 0, 0)) - field_(p - vec3(e, 0, 0)), field_(p + vec3(0, e, 0)) - field_(p - vec3(0, e, 0)),
-                    field_(p + vec3(0, 0, e)) - field_(p - vec3(0, 0, e))) / (2.0f * e);
+        return vec3(field_(p + vec3(e, 0, 0)) - field_(p - vec3(e, 0, 0)),
+                    field_(p + vec3(0, e, 0)) - field_(p - vec3(0, e, 0)),
+                    field_(p + vec3(0, 0, e)) - field_(p - vec3(0, 0, e))) /
+               (2.0f * e);
     }
 
     /// The mean of the cube's edge crossings, then twice a step down the gradient, never out of the cube.
@@ -91,7 +95,8 @@ private:
         const bool inside = values_[index(c)] < 0.0f;
         if (inside == (values_[index(end)] < 0.0f)) return;
         b[(axis + 1) % 3] = 1, d[(axis + 2) % 3] = 1;
-        const uint32_t v0 = vertices_[index(c - b - d)], v1 = vertices_[index(c - d)], v2 = vertices_[index(c)], v3 = vertices_[index(c - b)];
+        const uint32_t v0 = vertices_[index(c - b - d)], v1 = vertices_[index(c - d)], v2 = vertices_[index(c)],
+                       v3 = vertices_[index(c - b)];
         if (inside) writer.quad(v0, v1, v2, v3);
         else writer.quad(v0, v3, v2, v1);
     }
@@ -106,6 +111,8 @@ private:
 
 }  // namespace
 
-void addBlob(MeshWriter& writer, vec3 low, vec3 high, float cell, const DistanceField& field) { Net(low, high, cell, field).write(writer); }
+void addBlob(MeshWriter& writer, vec3 low, vec3 high, float cell, const DistanceField& field) {
+    Net(low, high, cell, field).write(writer);
+}
 
 }  // namespace heliograph::generate

@@ -24,10 +24,12 @@ void addPew(MeshWriter& writer, const mat4& at) {
 void addCandle(MeshWriter& writer, const Materials& materials, const mat4& at, float height, float radius) {
     writer.setTransform(at);
     writer.setMaterial(materials.wax);
-    addLathe(writer, {{radius, -0.01f}, {radius, height}, {0.6f * radius, height - 0.006f}, {0.0f, height - 0.01f}}, {.segments = 8, .textureSize = 0.1f});
+    addLathe(writer, {{radius, -0.01f}, {radius, height}, {0.6f * radius, height - 0.006f}, {0.0f, height - 0.01f}},
+             {.segments = 8, .textureSize = 0.1f});
     writer.setMaterial(materials.flame);
     const float f = height + 0.012f;
-    addLathe(writer, {{0.0f, f}, {0.55f * radius, f + 0.02f}, {0.6f * radius, f + 0.04f}, {0.0f, f + 0.11f}}, {.segments = 6, .creaseDegrees = 80.0f, .textureSize = 0.1f});
+    addLathe(writer, {{0.0f, f}, {0.55f * radius, f + 0.02f}, {0.6f * radius, f + 0.04f}, {0.0f, f + 0.11f}},
+             {.segments = 6, .creaseDegrees = 80.0f, .textureSize = 0.1f});
 }
 
 void addChandelier(MeshWriter& writer, const Materials& materials, vec3 center) {
@@ -40,13 +42,15 @@ void addChandelier(MeshWriter& writer, const Materials& materials, vec3 center) 
     writer.setTransform(mat4(1.0f));
     writer.setMaterial(materials.gold);
     const std::array<float, STEPS> thickness = [] { std::array<float, STEPS> a{}; a.fill(0.045f); return a; }();
-    addSweep(writer, framesAlong(curve, thickness, true), circleSection(6), {.closedPath = true, .creaseDegrees = 70.0f});
+    addSweep(writer, framesAlong(curve, thickness, true), circleSection(6),
+             {.closedPath = true, .creaseDegrees = 70.0f});
     for (int i = 0; i < 8; ++i) {
         const float angle = 6.2831853f * (float(i) + 0.5f) / 8.0f;
         const vec3 foot = center + vec3(0.95f * std::cos(angle), 0.03f, -0.95f * std::sin(angle));
         writer.setMaterial(materials.gold);
         writer.setTransform(placed(foot));
-        addLathe(writer, {{0.015f, 0.0f}, {0.07f, 0.045f}, {0.065f, 0.055f}, {0.0f, 0.05f}}, {.segments = 8, .creaseDegrees = 60.0f, .textureSize = 0.1f});
+        addLathe(writer, {{0.015f, 0.0f}, {0.07f, 0.045f}, {0.065f, 0.055f}, {0.0f, 0.05f}},
+                 {.segments = 8, .creaseDegrees = 60.0f, .textureSize = 0.1f});
         addCandle(writer, materials, placed(foot + vec3(0.0f, 0.052f, 0.0f)), 0.20f, 0.028f);
     }
     writer.setTransform(mat4(1.0f));
@@ -58,7 +62,8 @@ void addChandelier(MeshWriter& writer, const Materials& materials, vec3 center) 
         const float thin[2] = {0.010f, 0.010f};
         addSweep(writer, framesAlong(chain, thin, false), circleSection(4), {.creaseDegrees = 100.0f});
     }
-    const vec3 rope[2] = {knot - vec3(0.0f, 0.05f, 0.0f), {center.x, VAULT_SPRINGING + NAVE_VAULT.rise() - 0.15f, center.z}};
+    const vec3 rope[2] = {knot - vec3(0.0f, 0.05f, 0.0f),
+                          {center.x, VAULT_SPRINGING + NAVE_VAULT.rise() - 0.15f, center.z}};
     const float thin[2] = {0.014f, 0.014f};
     addSweep(writer, framesAlong(rope, thin, false), circleSection(5), {.creaseDegrees = 100.0f});
 }
@@ -85,7 +90,9 @@ void addAltar(MeshWriter& writer, const Materials& materials) {
     for (float x : {-1.05f, -0.88f, 0.88f, 1.05f}) {
         writer.setMaterial(materials.gold);
         writer.setTransform(placed({x, 1.455f, z - 0.1f}));
-        addLathe(writer, {{0.07f, 0.0f}, {0.075f, 0.015f}, {0.02f, 0.05f}, {0.028f, 0.12f}, {0.018f, 0.18f}, {0.018f, 0.30f}, {0.05f, 0.34f}, {0.0f, 0.345f}},
+        addLathe(writer,
+                 {{0.07f, 0.0f}, {0.075f, 0.015f}, {0.02f, 0.05f}, {0.028f, 0.12f}, {0.018f, 0.18f}, {0.018f, 0.30f},
+                  {0.05f, 0.34f}, {0.0f, 0.345f}},
                  {.segments = 12, .creaseDegrees = 40.0f, .textureSize = 0.1f});
         addCandle(writer, materials, placed({x, 1.455f + 0.342f, z - 0.1f}), 0.28f, 0.022f);
     }
@@ -100,8 +107,10 @@ void addAltar(MeshWriter& writer, const Materials& materials) {
 void addStandingCandle(MeshWriter& writer, const Materials& materials, vec3 at) {
     writer.setTransform(placed(at));
     writer.setMaterial(materials.gold);
-    addLathe(writer, {{0.0f, -0.01f}, {0.24f, -0.01f}, {0.25f, 0.04f}, {0.16f, 0.09f}, {0.05f, 0.18f}, {0.07f, 0.30f}, {0.035f, 0.42f}, {0.035f, 1.10f}, {0.06f, 1.16f},
-                      {0.03f, 1.22f}, {0.10f, 1.34f}, {0.09f, 1.36f}, {0.0f, 1.35f}},
+    addLathe(writer,
+             {{0.0f, -0.01f}, {0.24f, -0.01f}, {0.25f, 0.04f}, {0.16f, 0.09f}, {0.05f, 0.18f}, {0.07f, 0.30f},
+              {0.035f, 0.42f}, {0.035f, 1.10f}, {0.06f, 1.16f}, {0.03f, 1.22f}, {0.10f, 1.34f}, {0.09f, 1.36f},
+              {0.0f, 1.35f}},
              {.segments = 14, .creaseDegrees = 45.0f, .textureSize = 0.25f});
     addCandle(writer, materials, placed(at + vec3(0.0f, 1.35f, 0.0f)), 0.55f, 0.035f);
 }
@@ -115,7 +124,8 @@ std::vector<vec3> chandelierCenters() {
 void addFurniture(MeshWriter& writer, const Materials& materials) {
     writer.setMaterial(materials.oak);
     for (int row = 0; row < 7; ++row) {
-        for (float side : {-1.0f, 1.0f}) addPew(writer, placed({side * 1.95f, 0.0f, 4.2f - 1.15f * float(row)}) * turned(180.0f));
+        for (float side : {-1.0f, 1.0f})
+            addPew(writer, placed({side * 1.95f, 0.0f, 4.2f - 1.15f * float(row)}) * turned(180.0f));
     }
     for (const vec3& center : chandelierCenters()) addChandelier(writer, materials, center);
     addAltar(writer, materials);

@@ -1,6 +1,6 @@
 #pragma once
-// Measures and parts of the cathedral. Metres; the nave runs along z, the altar stands at its -z end. Wall coordinates: x
-// along the wall, z towards the room, origin on the wall's middle plane.
+// Measures and parts of the cathedral. Metres; the nave runs along z, the altar stands at its -z end. Wall coordinates:
+// x along the wall, z towards the room, origin on the wall's middle plane.
 
 #include "server/scene/generate/arches.h"
 
@@ -39,7 +39,8 @@ struct Window {
     bool tracery = true;
 };
 /// The wall panel, with the window in it. `half`: half thickness of the wall.
-void addWindowPanel(MeshWriter& writer, const Materials& materials, float x0, float x1, float y0, float y1, float half, const Window& window);
+void addWindowPanel(MeshWriter& writer, const Materials& materials, float x0, float x1, float y0, float y1, float half,
+                    const Window& window);
 
 void addPiers(MeshWriter& writer, const Materials& materials);
 void addWalls(MeshWriter& writer, const Materials& materials);

@@ -28,8 +28,10 @@ void addTiles(MeshWriter& writer, const mat4& side, float halfLength) {
         const float start = std::max(-OVERHANG, std::abs(x) - halfLength);
         auto at = [&](float d, float lift) { return vec3(x, EAVES + SLOPE * (d + OVERHANG) + lift, -d); };
         const vec3 normal(-lean, 1.0f, SLOPE);
-        const uint32_t low = writer.vertex(at(start, bulge), normal, {x, start}), high = writer.vertex(at(RIDGE, bulge), normal, {x, RIDGE});
-        const uint32_t rim = writer.vertex(at(start, bulge), {0, 0, 1}, {x, 0.06f}), face = writer.vertex(at(start, -0.04f), {0, 0, 1}, {x, 0.0f});
+        const uint32_t low = writer.vertex(at(start, bulge), normal, {x, start}),
+                       high = writer.vertex(at(RIDGE, bulge), normal, {x, RIDGE});
+        const uint32_t rim = writer.vertex(at(start, bulge), {0, 0, 1}, {x, 0.06f}),
+                       face = writer.vertex(at(start, -0.04f), {0, 0, 1}, {x, 0.0f});
         if (i > 0) {
             writer.quad(previousLow, low, high, previousHigh);
             if (start <= -OVERHANG + 1e-4f) writer.quad(previousFace, face, rim, previousRim);
@@ -50,7 +52,8 @@ void addEaves(MeshWriter& writer, const Materials& materials) {
         for (int i = -1; i < bays * 5 + 1; ++i) {
             const float x = ((float(i) + 0.5f) / 5.0f - 0.5f * float(bays)) * BAY;
             if (std::abs(x) > 0.5f * float(bays) * BAY - 0.9f) continue;
-            addBox(writer, {x - 0.05f, EAVES - 0.16f, 0.2f}, {x + 0.05f, EAVES + 0.02f, 0.74f}, BOX_LEFT | BOX_RIGHT | BOX_BOTTOM | BOX_FRONT);
+            addBox(writer, {x - 0.05f, EAVES - 0.16f, 0.2f}, {x + 0.05f, EAVES + 0.02f, 0.74f},
+                   BOX_LEFT | BOX_RIGHT | BOX_BOTTOM | BOX_FRONT);
         }
     });
 }
@@ -64,7 +67,8 @@ void addArmillary(MeshWriter& writer, vec3 center, float radius) {
             const float angle = 6.2831853f * float(i) / float(STEPS);
             curve.push_back(vec3(turn * vec4(r * std::cos(angle), r * std::sin(angle), 0.0f, 1.0f)) + center);
         }
-        addSweep(writer, framesAlong(curve, std::vector<float>(STEPS, thickness), true), circleSection(6), {.closedPath = true, .creaseDegrees = 70.0f});
+        addSweep(writer, framesAlong(curve, std::vector<float>(STEPS, thickness), true), circleSection(6),
+                 {.closedPath = true, .creaseDegrees = 70.0f});
     };
     ring(radius, 0.018f, turned(20.0f));
     ring(0.96f * radius, 0.018f, turned(110.0f));
@@ -81,28 +85,33 @@ void addArmillary(MeshWriter& writer, vec3 center, float radius) {
 }
 
 void addFountain(MeshWriter& writer, const Materials& materials) {
-    writer.setTransform(mat4(1.0f));
-    const float g = COURT_FLOOR;
+    writer.setTransform(placed({0.0f, COURT_FLOOR, 0.0f}));
     writer.setMaterial(materials.stone);
-    addLathe(writer, {{2.95f, g - 0.05f}, {2.95f, g + 0.13f}, {2.92f, g + 0.16f}, {2.50f, g + 0.16f}, {2.50f, g + 0.29f}, {2.47f, g + 0.32f}, {1.20f, g + 0.32f}},
+    addLathe(writer,
+             {{2.95f, -0.05f}, {2.95f, 0.13f}, {2.92f, 0.16f}, {2.50f, 0.16f}, {2.50f, 0.29f}, {2.47f, 0.32f},
+              {1.20f, 0.32f}},
              {.segments = 8, .creaseDegrees = 20.0f, .startDegrees = 22.5f});
     writer.setMaterial(materials.paleStone);
-    addLathe(writer, {{1.96f, g + 0.28f}, {1.98f, g + 0.40f}, {1.90f, g + 0.46f}, {1.86f, g + 0.74f}, {1.92f, g + 0.80f}, {2.02f, g + 0.86f}, {2.02f, g + 0.92f},
-                      {1.96f, g + 0.95f}, {1.74f, g + 0.95f}, {1.70f, g + 0.92f}, {1.68f, g + 0.34f}, {0.30f, g + 0.34f}},
+    addLathe(writer,
+             {{1.96f, 0.28f}, {1.98f, 0.40f}, {1.90f, 0.46f}, {1.86f, 0.74f}, {1.92f, 0.80f}, {2.02f, 0.86f},
+              {2.02f, 0.92f}, {1.96f, 0.95f}, {1.74f, 0.95f}, {1.70f, 0.92f}, {1.68f, 0.34f}, {0.30f, 0.34f}},
              {.segments = 40});
-    addLathe(writer, {{0.42f, g + 0.33f}, {0.42f, g + 0.60f}, {0.36f, g + 0.66f}, {0.24f, g + 0.80f}, {0.17f, g + 1.05f}, {0.16f, g + 1.25f}, {0.22f, g + 1.36f},
-                      {0.16f, g + 1.44f}, {0.20f, g + 1.60f}, {0.46f, g + 1.72f}, {0.78f, g + 1.86f}, {0.92f, g + 1.98f}, {0.96f, g + 2.06f}, {0.92f, g + 2.09f},
-                      {0.86f, g + 2.07f}, {0.80f, g + 1.98f}, {0.30f, g + 1.90f}, {0.14f, g + 1.92f}},
+    addLathe(writer,
+             {{0.42f, 0.33f}, {0.42f, 0.60f}, {0.36f, 0.66f}, {0.24f, 0.80f}, {0.17f, 1.05f}, {0.16f, 1.25f},
+              {0.22f, 1.36f}, {0.16f, 1.44f}, {0.20f, 1.60f}, {0.46f, 1.72f}, {0.78f, 1.86f}, {0.92f, 1.98f},
+              {0.96f, 2.06f}, {0.92f, 2.09f}, {0.86f, 2.07f}, {0.80f, 1.98f}, {0.30f, 1.90f}, {0.14f, 1.92f}},
              {.segments = 32, .creaseDegrees = 50.0f});
-    addLathe(writer, {{0.20f, g + 1.88f}, {0.15f, g + 2.06f}, {0.11f, g + 2.12f}, {0.09f, g + 2.32f}, {0.14f, g + 2.40f}, {0.14f, g + 2.46f}, {0.05f, g + 2.52f}, {0.0f, g + 2.53f}},
+    addLathe(writer,
+             {{0.20f, 1.88f}, {0.15f, 2.06f}, {0.11f, 2.12f}, {0.09f, 2.32f}, {0.14f, 2.40f}, {0.14f, 2.46f},
+              {0.05f, 2.52f}, {0.0f, 2.53f}},
              {.segments = 20, .creaseDegrees = 50.0f});
     writer.setMaterial(materials.water);
-    addLathe(writer, {{1.71f, g + 0.84f}, {0.0f, g + 0.84f}}, {.segments = 48});
-    addLathe(writer, {{0.875f, g + 2.05f}, {0.0f, g + 2.05f}}, {.segments = 32});
+    addLathe(writer, {{1.71f, 0.84f}, {0.0f, 0.84f}}, {.segments = 48});
+    addLathe(writer, {{0.875f, 2.05f}, {0.0f, 2.05f}}, {.segments = 32});
     writer.setMaterial(materials.bronze);
-    addArmillary(writer, {0.0f, g + 3.10f, 0.0f}, 0.52f);
-    writer.setTransform(mat4(1.0f));
-    const vec3 stem[2] = {{0.0f, g + 2.48f, 0.0f}, {0.0f, g + 2.60f, 0.0f}};
+    addArmillary(writer, {0.0f, 3.10f, 0.0f}, 0.52f);
+    writer.setTransform(placed({0.0f, COURT_FLOOR, 0.0f}));
+    const vec3 stem[2] = {{0.0f, 2.48f, 0.0f}, {0.0f, 2.60f, 0.0f}};
     const float thickness[2] = {0.035f, 0.03f};
     addSweep(writer, framesAlong(stem, thickness, false), circleSection(8), {.creaseDegrees = 60.0f});
 }
@@ -113,7 +122,9 @@ void addPottedTree(MeshWriter& writer, const Materials& materials, vec3 at, uint
     const mat4 before = placed(at) * turned(random.between(0.0f, 360.0f));
     writer.setTransform(before);
     writer.setMaterial(materials.terracotta);
-    addLathe(writer, {{0.0f, 0.0f}, {0.26f, 0.0f}, {0.28f, 0.05f}, {0.38f, 0.50f}, {0.41f, 0.52f}, {0.42f, 0.60f}, {0.40f, 0.62f}, {0.36f, 0.62f}, {0.35f, 0.50f}},
+    addLathe(writer,
+             {{0.0f, 0.0f}, {0.26f, 0.0f}, {0.28f, 0.05f}, {0.38f, 0.50f}, {0.41f, 0.52f}, {0.42f, 0.60f},
+              {0.40f, 0.62f}, {0.36f, 0.62f}, {0.35f, 0.50f}},
              {.segments = 18, .creaseDegrees = 40.0f});
     writer.setMaterial(materials.soil);
     addLathe(writer, {{0.37f, 0.55f}, {0.0f, 0.58f}}, {.segments = 18});
@@ -127,18 +138,23 @@ void addPottedTree(MeshWriter& writer, const Materials& materials, vec3 at, uint
     addSphere(writer, 0.36f, 10, 7);  // the dark inside
     writer.setTransform(before);
     for (int i = 0; i < 270; ++i) {
-        const float z = random.between(-1.0f, 1.0f), angle = random.between(0.0f, 6.2831853f), ring = std::sqrt(1.0f - z * z);
+        const float z = random.between(-1.0f, 1.0f), angle = random.between(0.0f, 6.2831853f),
+                    ring = std::sqrt(1.0f - z * z);
         const vec3 out(ring * std::cos(angle), z, ring * std::sin(angle));
         const vec3 center = crown + out * 0.49f * std::cbrt(random.between(0.40f, 1.0f));
-        const vec3 loose = glm::normalize(out + vec3(random.between(-0.8f, 0.8f), random.between(-0.3f, 0.9f), random.between(-0.8f, 0.8f)));
-        const vec3 along = glm::normalize(glm::cross(loose, vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))));
+        const vec3 loose = glm::normalize(
+            out + vec3(random.between(-0.8f, 0.8f), random.between(-0.3f, 0.9f), random.between(-0.8f, 0.8f)));
+        const vec3 along = glm::normalize(
+            glm::cross(loose, vec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1))));
         const vec3 across = glm::cross(loose, along);
         const float length = random.between(0.06f, 0.09f), width = 0.55f * length;
         // Two triangles folded along the midrib; the normal leans outwards, so that the crown is lit as a ball.
         const uint32_t tip = writer.vertex(center + along * length, out + 0.6f * loose, {0.1f, 0.0f});
         const uint32_t foot = writer.vertex(center - along * length, out + 0.6f * loose, {0.0f, 0.0f});
-        const uint32_t left = writer.vertex(center + across * width + loose * 0.02f, out + 0.7f * loose - 0.4f * across, {0.05f, 0.05f});
-        const uint32_t right = writer.vertex(center - across * width + loose * 0.02f, out + 0.7f * loose + 0.4f * across, {0.05f, -0.05f});
+        const uint32_t left =
+            writer.vertex(center + across * width + loose * 0.02f, out + 0.7f * loose - 0.4f * across, {0.05f, 0.05f});
+        const uint32_t right =
+            writer.vertex(center - across * width + loose * 0.02f, out + 0.7f * loose + 0.4f * across, {0.05f, -0.05f});
         writer.triangle(foot, tip, left);
         writer.triangle(tip, foot, right);
     }
@@ -163,12 +179,14 @@ void addBanner(MeshWriter& writer, const mat4& bay, uint64_t seed) {
         float y, z;
         const float back = 0.45f, over = back + 2.0f * front;
         if (s < back) y = top - (back - s), z = -front;
-        else if (s < over) y = top + 0.05f * std::sin(3.14159265f * (s - back) / (over - back)), z = -front + (s - back);
+        else if (s < over)
+            y = top + 0.05f * std::sin(3.14159265f * (s - back) / (over - back)), z = -front + (s - back);
         else y = top - (s - over), z = front;
         const float hang = std::clamp((s - over) / 2.0f, 0.0f, 1.0f);
         // The string course stands out by half a metre: the cloth lies over it.
         const float push = 0.33f * std::clamp((top - y - 0.35f) / 0.5f, 0.0f, 1.0f) * (s >= over ? 1.0f : 0.0f);
-        z += push + hang * (0.06f * std::sin(11.0f * x + phase) + 0.03f * std::sin(23.0f * x + 2.0f * phase + 1.5f * hang));
+        z += push +
+             hang * (0.06f * std::sin(11.0f * x + phase) + 0.03f * std::sin(23.0f * x + 2.0f * phase + 1.5f * hang));
         y += (s >= over ? 0.06f * (1.0f - hang) * hang * std::cos(4.0f * x) : 0.0f);
         return vec3(x, y, z);
     });

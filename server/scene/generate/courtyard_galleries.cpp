@@ -16,19 +16,26 @@ void addVaultBay(MeshWriter& writer, const mat4& center) {
     addGroinVault(writer, VAULT, VAULT_HALF_DEPTH, 8);
 }
 
-/// A band across the gallery under the joint of two vaults, from the arcade to the back wall; and the pilaster it lands on.
+/// A band across the gallery under the joint of two vaults, from the arcade to the back wall; and the pilaster it lands
+/// on.
 void addTransverseArch(MeshWriter& writer, const Materials& materials, const mat4& side, float x) {
     const float squeeze = VAULT_HALF_DEPTH / VAULT.halfSpan;
-    const mat4 across = side * placed({x, SPRINGING, -VAULT_CENTER}) * glm::rotate(mat4(1.0f), glm::radians(90.0f), vec3(0, 1, 0)) *
+    const mat4 across = side * placed({x, SPRINGING, -VAULT_CENTER}) *
+                        glm::rotate(mat4(1.0f), glm::radians(90.0f), vec3(0, 1, 0)) *
                         glm::scale(mat4(1.0f), vec3(squeeze, 1.0f, 1.0f));
     writer.setMaterial(materials.stone);
     writer.setTransform(across);
-    addArchMoulding(writer, VAULT, {{0.12f, -0.20f}, {-0.05f, -0.20f}, {-0.09f, -0.14f}, {-0.09f, 0.14f}, {-0.05f, 0.20f}, {0.12f, 0.20f}}, 6);
+    addArchMoulding(
+        writer, VAULT,
+        {{0.12f, -0.20f}, {-0.05f, -0.20f}, {-0.09f, -0.14f}, {-0.09f, 0.14f}, {-0.05f, 0.20f}, {0.12f, 0.20f}}, 6);
     writer.setTransform(side);
     const float wall = -GALLERY;
-    addBox(writer, {x - 0.20f, 0.25f, wall - 0.05f}, {x + 0.20f, SPRINGING - 0.08f, wall + 0.12f}, BOX_ALL & ~(BOX_BACK | BOX_BOTTOM));
-    addBox(writer, {x - 0.24f, -0.04f, wall - 0.06f}, {x + 0.24f, 0.30f, wall + 0.16f}, BOX_ALL & ~(BOX_BACK | BOX_BOTTOM));
-    addBeveledBox(writer, {x - 0.25f, SPRINGING - 0.18f, wall - 0.06f}, {x + 0.25f, SPRINGING + 0.04f, wall + 0.20f}, 0.02f);
+    addBox(writer, {x - 0.20f, 0.25f, wall - 0.05f}, {x + 0.20f, SPRINGING - 0.08f, wall + 0.12f},
+           BOX_ALL & ~(BOX_BACK | BOX_BOTTOM));
+    addBox(writer, {x - 0.24f, -0.04f, wall - 0.06f}, {x + 0.24f, 0.30f, wall + 0.16f},
+           BOX_ALL & ~(BOX_BACK | BOX_BOTTOM));
+    addBeveledBox(writer, {x - 0.25f, SPRINGING - 0.18f, wall - 0.06f}, {x + 0.25f, SPRINGING + 0.04f, wall + 0.20f},
+                  0.02f);
 }
 
 /// A field of a door: bevelled on four sides, standing out from z = 0.06 to 0.10.
@@ -37,15 +44,18 @@ void addRaisedPanel(MeshWriter& writer, vec2 low, vec2 high) {
     const vec2 corner[4] = {low, {high.x, low.y}, high, {low.x, high.y}};
     const vec2 inner[4] = {low + rise, {high.x - rise, low.y + rise}, high - rise, {low.x + rise, high.y - rise}};
     auto at = [](vec2 p, float z) { return vec3(p.x, p.y, z); };
-    writer.flatQuad(at(inner[0], front), at(inner[1], front), at(inner[2], front), at(inner[3], front), inner[0], inner[1], inner[2], inner[3]);
+    writer.flatQuad(at(inner[0], front), at(inner[1], front), at(inner[2], front), at(inner[3], front), inner[0],
+                    inner[1], inner[2], inner[3]);
     for (int i = 0; i < 4; ++i) {
         const int j = (i + 1) % 4;
-        writer.flatQuad(at(corner[i], back), at(corner[j], back), at(inner[j], front), at(inner[i], front), corner[i], corner[j], inner[j], inner[i]);
+        writer.flatQuad(at(corner[i], back), at(corner[j], back), at(inner[j], front), at(inner[i], front), corner[i],
+                        corner[j], inner[j], inner[i]);
     }
 }
 
 /// A round-headed door in the back wall: leaves, panels and a moulded stone surround.
-void addDoor(MeshWriter& writer, const Materials& materials, const mat4& side, float x, float floor, float half, float height) {
+void addDoor(MeshWriter& writer, const Materials& materials, const mat4& side, float x, float floor, float half,
+             float height) {
     const mat4 at = side * placed({x, floor, -GALLERY});
     writer.setMaterial(materials.door);
     writer.setTransform(at);
@@ -68,7 +78,9 @@ void addDoor(MeshWriter& writer, const Materials& materials, const mat4& side, f
     }
     writer.setMaterial(materials.stone);
     writer.setTransform(at * placed({0.0f, springing, 0.0f}));
-    addArchMoulding(writer, {half, half}, {{0.0f, -0.02f}, {0.0f, 0.12f}, {0.06f, 0.15f}, {0.17f, 0.15f}, {0.18f, -0.02f}}, 6, springing + 0.02f);
+    addArchMoulding(writer, {half, half},
+                    {{0.0f, -0.02f}, {0.0f, 0.12f}, {0.06f, 0.15f}, {0.17f, 0.15f}, {0.18f, -0.02f}}, 6,
+                    springing + 0.02f);
 }
 
 void addFloors(MeshWriter& writer, const Materials& materials) {
@@ -78,8 +90,9 @@ void addFloors(MeshWriter& writer, const Materials& materials) {
     addRectangleSweep(writer, HALF_X, HALF_Z, {{GALLERY + 0.1f, UPPER_FLOOR}, {0.10f, UPPER_FLOOR}});
     // The stylobate on which the columns stand, and two steps down to the court.
     writer.setMaterial(materials.stone);
-    addRectangleSweep(writer, HALF_X, HALF_Z, {{0.40f, 0.0f}, {-0.46f, 0.0f}, {-0.48f, -0.02f}, {-0.48f, -0.16f}, {-0.82f, -0.16f},
-                                               {-0.84f, -0.18f}, {-0.84f, COURT_FLOOR - 0.05f}});
+    addRectangleSweep(writer, HALF_X, HALF_Z,
+                      {{0.40f, 0.0f}, {-0.46f, 0.0f}, {-0.48f, -0.02f}, {-0.48f, -0.16f}, {-0.82f, -0.16f},
+                       {-0.84f, -0.18f}, {-0.84f, COURT_FLOOR - 0.05f}});
 }
 
 void addBackWalls(MeshWriter& writer, const Materials& materials) {
@@ -89,9 +102,12 @@ void addBackWalls(MeshWriter& writer, const Materials& materials) {
     addRectangleSweep(writer, HALF_X, HALF_Z, {{GALLERY, UPPER_TOP}, {GALLERY, UPPER_FLOOR - 0.02f}});
     writer.setMaterial(materials.stone);
     for (float floor : {0.0f, UPPER_FLOOR}) {
-        addRectangleSweep(writer, HALF_X, HALF_Z, {{GALLERY + 0.02f, floor + 1.08f}, {GALLERY - 0.05f, floor + 1.05f}, {GALLERY - 0.05f, floor + 0.98f},
-                                                   {GALLERY + 0.02f, floor + 0.95f}});
-        addRectangleSweep(writer, HALF_X, HALF_Z, {{GALLERY + 0.02f, floor + 0.22f}, {GALLERY - 0.04f, floor + 0.18f}, {GALLERY - 0.04f, floor - 0.04f}});
+        addRectangleSweep(writer, HALF_X, HALF_Z,
+                          {{GALLERY + 0.02f, floor + 1.08f}, {GALLERY - 0.05f, floor + 1.05f},
+                           {GALLERY - 0.05f, floor + 0.98f}, {GALLERY + 0.02f, floor + 0.95f}});
+        addRectangleSweep(
+            writer, HALF_X, HALF_Z,
+            {{GALLERY + 0.02f, floor + 0.22f}, {GALLERY - 0.04f, floor + 0.18f}, {GALLERY - 0.04f, floor - 0.04f}});
     }
     forEachSide([&](const mat4& side, int bays) {
         for (int i = 0; i < bays; ++i) {
@@ -112,7 +128,8 @@ void addCeiling(MeshWriter& writer, const Materials& materials) {
         writer.setTransform(side);
         for (int i = 0; i <= bays * 3; ++i) {
             const float x = (float(i) / 3.0f - 0.5f * float(bays)) * BAY;
-            addBox(writer, {x - 0.07f, y - 0.20f, -GALLERY - 0.04f}, {x + 0.07f, y + 0.03f, -0.12f}, BOX_LEFT | BOX_RIGHT | BOX_BOTTOM);
+            addBox(writer, {x - 0.07f, y - 0.20f, -GALLERY - 0.04f}, {x + 0.07f, y + 0.03f, -0.12f},
+                   BOX_LEFT | BOX_RIGHT | BOX_BOTTOM);
         }
     });
 }
@@ -128,7 +145,8 @@ void addGalleries(MeshWriter& writer, const Materials& materials) {
             writer.setMaterial(materials.brick);
             addVaultBay(writer, side * placed({(float(i) - 0.5f * float(bays - 1)) * BAY, 0.0f, -VAULT_CENTER}));
         }
-        for (int i = 0; i <= bays; ++i) addTransverseArch(writer, materials, side, (float(i) - 0.5f * float(bays)) * BAY);
+        for (int i = 0; i <= bays; ++i)
+            addTransverseArch(writer, materials, side, (float(i) - 0.5f * float(bays)) * BAY);
     });
     // The four corners: square bays, the same depth both ways.
     const float squeeze = VAULT_HALF_DEPTH / VAULT.halfSpan;

@@ -1,7 +1,7 @@
 #pragma once
 // Measures and parts of the courtyard. Metres. The axes of the columns form a rectangle of baysX x baysZ bays about the
-// origin; the court lies inside, the galleries outside. `Side` coordinates: x along the side, z towards the court, origin on
-// the side's middle; distances d of rectangle sweeps are measured outwards from the axes.
+// origin; the court lies inside, the galleries outside. `Side` coordinates: x along the side, z towards the court,
+// origin on the side's middle; distances d of rectangle sweeps are measured outwards from the axes.
 
 #include "server/scene/generate/mesh_writer.h"
 
@@ -24,8 +24,8 @@ constexpr float UPPER_TOP = 9.40f;       // of the upper arcade wall
 constexpr float EAVES = 9.78f;
 
 struct Materials {
-    uint32_t stone, paleStone, plaster, rose, pavers, gallery, brick, roof, wood, door, glaze, bronze, water, terracotta, soil,
-        bark, leaf, crimson, indigo;
+    uint32_t stone, paleStone, plaster, rose, pavers, gallery, brick, roof, wood, door, glaze, bronze, water,
+        terracotta, soil, bark, leaf, crimson, indigo;
 };
 
 /// Calls `part` with the transform of each of the four sides (side coordinates to world) and the side's number of bays.

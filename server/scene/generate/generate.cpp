@@ -14,9 +14,12 @@ struct Entry {
 
 const std::vector<Entry>& entries() {
     static const std::vector<Entry> table = {
-        {{"courtyard", "Two floors of arcades around a sunlit court with a fountain; textured stone, brick and tiles"}, fillCourtyard},
-        {{"cathedral", "A Gothic nave with ribbed vaults; sunlight through stained glass on a polished floor"}, fillCathedral},
-        {{"glass", "Drinking glasses, a teapot and a mirror torus knot on a tiled floor under an evening sky"}, fillGlass},
+        {{"courtyard", "Two floors of arcades around a sunlit court with a fountain; textured stone, brick and tiles"},
+         fillCourtyard},
+        {{"cathedral", "A Gothic nave with ribbed vaults; sunlight through stained glass on a polished floor"},
+         fillCathedral},
+        {{"glass", "Drinking glasses, a teapot and a mirror torus knot on a tiled floor under an evening sky"},
+         fillGlass},
         {{"cornell", "The classic box: red and green walls, two blocks, a glass ball and a mirror ball"}, fillCornell},
     };
     return table;

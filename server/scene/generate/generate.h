@@ -1,7 +1,7 @@
 #pragma once
-// Scenes that the program makes by itself: geometry, images, lights, cameras and paths, all computed, no file needed. The
-// same name gives the same scene on every run. One source file per scene; shared tools are mesh_writer and shapes (geometry)
-// and noise, surfaces and sky (images). scenes/README.md describes each scene.
+// Scenes that the program makes by itself: geometry, images, lights, cameras and paths, all computed, no file needed.
+// The same name gives the same scene on every run. One source file per scene; shared tools are mesh_writer and shapes
+// (geometry) and noise, surfaces and sky (images). scenes/README.md describes each scene.
 
 #include "server/scene/scene_builder.h"
 #include "server/scene/scene_source.h"

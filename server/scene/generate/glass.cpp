@@ -1,5 +1,5 @@
-// A still life on a terrace: drinking glasses, a glass rabbit, a glazed teapot and a mirror torus knot. The smaller glasses
-// and the marbles are instances of one mesh each.
+// A still life on a terrace: drinking glasses, a glass rabbit, a glazed teapot and a mirror torus knot. The smaller
+// glasses and the marbles are instances of one mesh each.
 
 #include "server/scene/generate/glass_parts.h"
 #include "server/scene/generate/scenes.h"
@@ -73,13 +73,17 @@ void addOpaqueThings(SceneBuilder& builder) {
     marble.metres = 0.6f;
     Material polished = matte(vec3(1.0f), 0.16f);
     const uint32_t floor = addSurfaceMaterial(builder, marble, polished, "chequered marble", 0.0f);
-    const uint32_t edge = addSurfaceMaterial(builder, paintLimestone("kerb", {0.80f, 0.74f, 0.64f}, 89), matte(vec3(1.0f), 0.8f), "kerb");
+    const uint32_t edge =
+        addSurfaceMaterial(builder, paintLimestone("kerb", {0.80f, 0.74f, 0.64f}, 89), matte(vec3(1.0f), 0.8f), "kerb");
     MeshWriter terrace;
     terrace.setMaterial(floor);
     const float half = 1.8f;
-    terrace.flatQuad({-half, 0, half}, {half, 0, half}, {half, 0, -half}, {-half, 0, -half}, {-half, -half}, {half, -half}, {half, half}, {-half, half});
+    terrace.flatQuad({-half, 0, half}, {half, 0, half}, {half, 0, -half}, {-half, 0, -half}, {-half, -half},
+                     {half, -half}, {half, half}, {-half, half});
     terrace.setMaterial(edge);
-    addRectangleSweep(terrace, half, half, {{0.12f, -0.30f}, {0.12f, 0.045f}, {0.10f, 0.060f}, {-0.03f, 0.060f}, {-0.05f, 0.045f}, {-0.05f, -0.02f}});
+    addRectangleSweep(
+        terrace, half, half,
+        {{0.12f, -0.30f}, {0.12f, 0.045f}, {0.10f, 0.060f}, {-0.03f, 0.060f}, {-0.05f, 0.045f}, {-0.05f, -0.02f}});
     builder.addInstance(builder.addMesh(terrace.take()), mat4(1.0f));
 }
 
@@ -90,8 +94,10 @@ void addViews(SceneBuilder& builder) {
     builder.addCamera(cameraAt("From above", {-0.15f, 0.95f, 0.55f}, {0.0f, 0.05f, -0.03f}, 45.0f));
     CameraPath orbit{"Orbit", 16.0f, true, {}};
     for (int i = 0; i < 12; ++i) {
-        const float angle = glm::radians(30.0f * float(i) + 20.0f), radius = 0.84f - 0.10f * std::cos(2.0f * angle);
-        orbit.keys.push_back({{radius * std::sin(angle), 0.36f + 0.14f * std::sin(angle * 2.0f + 0.6f), radius * std::cos(angle)}, {0.0f, 0.10f, -0.04f}});
+        const float angle = glm::radians(30.0f * float(i) + 20.0f), radius = 0.66f - 0.07f * std::cos(2.0f * angle);
+        orbit.keys.push_back(
+            {{radius * std::sin(angle), 0.31f + 0.10f * std::sin(angle * 2.0f + 0.6f), radius * std::cos(angle)},
+             {0.0f, 0.10f, -0.04f}});
     }
     builder.addPath(orbit);
 }
@@ -103,8 +109,14 @@ void fillGlass(SceneBuilder& builder) {
     addOpaqueThings(builder);
     const vec3 toSun = directionOf(36.0f, -52.0f);
     builder.addLight(sunLight(toSun, {4.6f, 3.8f, 2.8f}));
-    builder.setEnvironmentImage(builder.addImage(paintSky({.toSun = toSun, .zenith = {0.10f, 0.18f, 0.38f}, .horizon = {0.40f, 0.40f, 0.41f}, .glow = {0.9f, 0.58f, 0.30f},
-                                                           .ground = {0.05f, 0.085f, 0.11f}, .cloud = {0.85f, 0.72f, 0.62f}, .clouds = 0.42f, .seed = 21})));
+    builder.setEnvironmentImage(builder.addImage(paintSky({.toSun = toSun,
+                                                           .zenith = {0.10f, 0.18f, 0.38f},
+                                                           .horizon = {0.40f, 0.40f, 0.41f},
+                                                           .glow = {0.9f, 0.58f, 0.30f},
+                                                           .ground = {0.05f, 0.085f, 0.11f},
+                                                           .cloud = {0.85f, 0.72f, 0.62f},
+                                                           .clouds = 0.42f,
+                                                           .seed = 21})));
     builder.setAoRadius(0.12f);
     builder.setExposure(0.0f);
     addViews(builder);

@@ -1,6 +1,6 @@
 #pragma once
-// The things on the terrace of the scene `glass`. Metres, each standing on y = 0 about the y axis; glasses are closed bodies
-// with real walls.
+// The things on the terrace of the scene `glass`. Metres, each standing on y = 0 about the y axis; glasses are closed
+// bodies with real walls.
 
 #include "server/scene/generate/mesh_writer.h"
 

@@ -1,6 +1,7 @@
 #pragma once
-// Collects the triangles of a generated scene. Everything added goes through the present transform and takes the present
-// material, so that repeated parts are written as plain copies: one mesh, one tree, no second level to traverse.
+// Collects the triangles of a generated scene. Everything added goes through the present transform and takes the
+// present material, so that repeated parts are written as plain copies: one mesh, one tree, no second level to
+// traverse.
 
 #include "server/scene/scene_builder.h"
 

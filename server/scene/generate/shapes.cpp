@@ -98,7 +98,8 @@ void addBeveledBox(MeshWriter& writer, vec3 low, vec3 high, float bevel) {
     }
     for (int corner = 0; corner < 8; ++corner) {
         const vec3 s(corner & 1 ? 1.0f : -1.0f, corner & 2 ? 1.0f : -1.0f, corner & 4 ? 1.0f : -1.0f);
-        emit({s * vec3(outer.x, inner.y, inner.z), s * vec3(inner.x, outer.y, inner.z), s * vec3(inner.x, inner.y, outer.z)},
+        emit({s * vec3(outer.x, inner.y, inner.z), s * vec3(inner.x, outer.y, inner.z),
+              s * vec3(inner.x, inner.y, outer.z)},
              glm::normalize(s));
     }
 }
@@ -112,7 +113,8 @@ void addLathe(MeshWriter& writer, const Polyline& profile, const LatheOptions& o
     for (const ProfilePiece& piece : piecesOf(profile, options.closed, options.creaseDegrees)) {
         std::vector<uint32_t> low, high;
         for (uint32_t i = 0; i <= n; ++i) {
-            const float angle = start + 2.0f * PI * float(i % n) / float(n);  // the seam's two columns agree in every bit
+            const float angle =
+                start + 2.0f * PI * float(i % n) / float(n);  // the seam's two columns agree in every bit
             const float c = std::cos(angle), s = std::sin(angle), u = girth * float(i) / float(n);
             low.push_back(writer.vertex({piece.from.x * c, piece.from.y, -piece.from.x * s},
                                         {piece.normalFrom.x * c, piece.normalFrom.y, -piece.normalFrom.x * s},
@@ -128,11 +130,14 @@ void addLathe(MeshWriter& writer, const Polyline& profile, const LatheOptions& o
     }
 }
 
-void addSweep(MeshWriter& writer, std::span<const SweepFrame> frames, const Polyline& section, const SweepOptions& options) {
+void addSweep(MeshWriter& writer, std::span<const SweepFrame> frames, const Polyline& section,
+              const SweepOptions& options) {
     const std::vector<ProfilePiece> pieces = piecesOf(section, options.closedSection, options.creaseDegrees);
     const size_t steps = options.closedPath ? frames.size() : frames.size() - 1;
     auto at = [&](const SweepFrame& f, vec2 p) { return f.position + p.x * f.right + p.y * f.up; };
-    auto normalAt = [&](const SweepFrame& f, vec2 n) { return n.x * glm::normalize(f.normalRight) + n.y * glm::normalize(f.up); };
+    auto normalAt = [&](const SweepFrame& f, vec2 n) {
+        return n.x * glm::normalize(f.normalRight) + n.y * glm::normalize(f.up);
+    };
     for (const ProfilePiece& piece : pieces) {
         float along = 0.0f;
         uint32_t previousFrom = 0, previousTo = 0;
@@ -140,8 +145,10 @@ void addSweep(MeshWriter& writer, std::span<const SweepFrame> frames, const Poly
             const SweepFrame& f = frames[i % frames.size()];
             if (i > 0) along += glm::length(f.position - frames[i - 1].position);
             const float size = glm::length(f.right);
-            const uint32_t from = writer.vertex(at(f, piece.from), normalAt(f, piece.normalFrom), {along, piece.lengthFrom * size});
-            const uint32_t to = writer.vertex(at(f, piece.to), normalAt(f, piece.normalTo), {along, piece.lengthTo * size});
+            const uint32_t from =
+                writer.vertex(at(f, piece.from), normalAt(f, piece.normalFrom), {along, piece.lengthFrom * size});
+            const uint32_t to =
+                writer.vertex(at(f, piece.to), normalAt(f, piece.normalTo), {along, piece.lengthTo * size});
             if (i > 0) writer.quad(previousFrom, previousTo, to, from);
             previousFrom = from, previousTo = to;
         }
@@ -163,7 +170,8 @@ void addSweep(MeshWriter& writer, std::span<const SweepFrame> frames, const Poly
 std::vector<SweepFrame> framesAlong(std::span<const vec3> curve, std::span<const float> radius, bool closed) {
     const size_t n = curve.size();
     auto tangentAt = [&](size_t i) {
-        const size_t before = closed ? (i + n - 1) % n : (i == 0 ? 0 : i - 1), after = closed ? (i + 1) % n : std::min(i + 1, n - 1);
+        const size_t before = closed ? (i + n - 1) % n : (i == 0 ? 0 : i - 1),
+                     after = closed ? (i + 1) % n : std::min(i + 1, n - 1);
         return glm::normalize(curve[after] - curve[before]);
     };
     // Rotates `v` as the shortest turn from `a` to `b` does.
@@ -213,15 +221,18 @@ void addRectangleSweep(MeshWriter& writer, float halfX, float halfZ, const Polyl
     for (const ProfilePiece& piece : piecesOf(profile, false, creaseDegrees)) {
         for (int side = 0; side < 4; ++side) {
             const vec2 out = outward[side], along(out.y, -out.x);  // (x, z)
-            const float half = std::abs(out.x) > 0.5f ? halfX : halfZ, halfLength = std::abs(out.x) > 0.5f ? halfZ : halfX;
+            const float half = std::abs(out.x) > 0.5f ? halfX : halfZ,
+                        halfLength = std::abs(out.x) > 0.5f ? halfZ : halfX;
             auto at = [&](vec2 p, float end) {
                 const vec2 xz = out * (half + p.x) + along * (end * (halfLength + p.x));
                 return vec3(xz.x, p.y, xz.y);
             };
             auto normal = [&](vec2 n) { return vec3(out.x * n.x, n.y, out.y * n.x); };
             const float fromEnd = halfLength + piece.from.x, toEnd = halfLength + piece.to.x;
-            const uint32_t a = writer.vertex(at(piece.from, -1.0f), normal(piece.normalFrom), {-fromEnd, piece.lengthFrom});
-            const uint32_t b = writer.vertex(at(piece.from, 1.0f), normal(piece.normalFrom), {fromEnd, piece.lengthFrom});
+            const uint32_t a =
+                writer.vertex(at(piece.from, -1.0f), normal(piece.normalFrom), {-fromEnd, piece.lengthFrom});
+            const uint32_t b =
+                writer.vertex(at(piece.from, 1.0f), normal(piece.normalFrom), {fromEnd, piece.lengthFrom});
             const uint32_t c = writer.vertex(at(piece.to, 1.0f), normal(piece.normalTo), {toEnd, piece.lengthTo});
             const uint32_t d = writer.vertex(at(piece.to, -1.0f), normal(piece.normalTo), {-toEnd, piece.lengthTo});
             writer.quad(a, b, c, d);
@@ -239,18 +250,23 @@ void addProfiledPrism(MeshWriter& writer, const Polyline& section, const Polylin
         for (const ProfilePiece& side : around) {
             auto corner = [&](vec2 p, vec2 n, float along, vec2 at, vec2 slope, float height) {
                 const float scale = at.x / size, lean = slope.y * glm::dot(p, n) / size;
-                return writer.vertex({p.x * scale, at.y, -p.y * scale}, {n.x * slope.x, lean, -n.y * slope.x}, {along * scale, height});
+                return writer.vertex({p.x * scale, at.y, -p.y * scale}, {n.x * slope.x, lean, -n.y * slope.x},
+                                     {along * scale, height});
             };
-            const uint32_t a = corner(side.from, side.normalFrom, side.lengthFrom, rise.from, rise.normalFrom, rise.lengthFrom);
-            const uint32_t b = corner(side.to, side.normalTo, side.lengthTo, rise.from, rise.normalFrom, rise.lengthFrom);
+            const uint32_t a =
+                corner(side.from, side.normalFrom, side.lengthFrom, rise.from, rise.normalFrom, rise.lengthFrom);
+            const uint32_t b =
+                corner(side.to, side.normalTo, side.lengthTo, rise.from, rise.normalFrom, rise.lengthFrom);
             const uint32_t c = corner(side.to, side.normalTo, side.lengthTo, rise.to, rise.normalTo, rise.lengthTo);
-            const uint32_t d = corner(side.from, side.normalFrom, side.lengthFrom, rise.to, rise.normalTo, rise.lengthTo);
+            const uint32_t d =
+                corner(side.from, side.normalFrom, side.lengthFrom, rise.to, rise.normalTo, rise.lengthTo);
             writer.quad(a, b, c, d);
         }
     }
 }
 
-void addSurface(MeshWriter& writer, uint32_t columns, uint32_t rows, vec2 uvScale, const std::function<vec3(float, float)>& at) {
+void addSurface(MeshWriter& writer, uint32_t columns, uint32_t rows, vec2 uvScale,
+                const std::function<vec3(float, float)>& at) {
     const float eps = 1e-3f;
     std::vector<uint32_t> ids;
     for (uint32_t j = 0; j <= rows; ++j) {

@@ -21,12 +21,17 @@ vec3 skyRadiance(const SkyLook& look, vec3 d, vec2 uv) {
     const float low = std::pow(1.0f - up, 3.5f);
     vec3 sky = glm::mix(look.zenith, look.horizon, low);
     const float toSun = glm::dot(d, look.toSun), towards = std::max(toSun, 0.0f);
-    sky += look.glow * (0.25f * std::pow(towards, 6.0f) + 0.9f * std::pow(towards, 60.0f) + 3.0f * std::pow(towards, 900.0f));
+    sky += look.glow *
+           (0.25f * std::pow(towards, 6.0f) + 0.9f * std::pow(towards, 60.0f) + 3.0f * std::pow(towards, 900.0f));
     if (d.y > 0.01f && look.clouds > 0.0f) {
-        // Cirrus: a flat layer of clouds far above, stretched along x. Faded out towards the horizon, where it would alias.
+        // Cirrus: a flat layer of clouds far above, stretched along x. Faded out towards the horizon, where it would
+        // alias.
         const vec2 layer = vec2(d.x, 0.6f * d.z) / (d.y + 0.12f);
-        const float shape = fractalNoise(layer * 1.3f + 32.0f + 0.6f * fractalNoise(layer * 2.0f + 40.0f, 4096, 3, look.seed + 9), 4096, 6, look.seed);
-        const float cover = stepBetween(0.78f - 0.5f * look.clouds, 1.02f - 0.5f * look.clouds, shape) * stepBetween(0.02f, 0.25f, d.y);
+        const float shape =
+            fractalNoise(layer * 1.3f + 32.0f + 0.6f * fractalNoise(layer * 2.0f + 40.0f, 4096, 3, look.seed + 9), 4096,
+                         6, look.seed);
+        const float cover =
+            stepBetween(0.78f - 0.5f * look.clouds, 1.02f - 0.5f * look.clouds, shape) * stepBetween(0.02f, 0.25f, d.y);
         sky = glm::mix(sky, look.cloud * (0.75f + 0.5f * std::pow(towards, 4.0f)), 0.75f * cover);
     }
     const float below = stepBetween(0.004f, -0.016f, d.y);

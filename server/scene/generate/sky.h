@@ -1,5 +1,6 @@
 #pragma once
-// A lat-long sky painted by formula: gradient from horizon to zenith, a glow about the sun, thin clouds, and ground below.
+// A lat-long sky painted by formula: gradient from horizon to zenith, a glow about the sun, thin clouds, and ground
+// below.
 
 #include "server/scene/scene_builder.h"
 

@@ -40,7 +40,8 @@ Stone stoneAt(vec2 uv, int columns, int rows, float shift) {
 
 }  // namespace
 
-SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres, const std::function<SurfacePoint(vec2)>& paint) {
+SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres,
+                           const std::function<SurfacePoint(vec2)>& paint) {
     SurfaceImages result;
     result.metres = metres;
     std::vector<float> heights(size_t(size) * size);
@@ -65,8 +66,10 @@ SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres,
             // Sums over the texel's two rows or columns; the outer differences reach three pixels.
             auto at = [&](uint32_t u, uint32_t v) { return heights[size_t(v % size) * size + u % size]; };
             const uint32_t u = 2 * x, v = 2 * y;
-            const float du = 0.5f * (at(u + 2, v) + at(u + 2, v + 1) - at(u + size - 1, v) - at(u + size - 1, v + 1)) * slopeScale;
-            const float dv = 0.5f * (at(u, v + 2) + at(u + 1, v + 2) - at(u, v + size - 1) - at(u + 1, v + size - 1)) * slopeScale;
+            const float du =
+                0.5f * (at(u + 2, v) + at(u + 2, v + 1) - at(u + size - 1, v) - at(u + size - 1, v + 1)) * slopeScale;
+            const float dv =
+                0.5f * (at(u, v + 2) + at(u + 1, v + 2) - at(u, v + size - 1) - at(u + 1, v + size - 1)) * slopeScale;
             const vec3 n = glm::normalize(vec3(-du, dv, 1.0f));  // green points against growing v, as glTF has it
             const size_t i = (size_t(y) * half + x) * 4;
             for (int c = 0; c < 3; ++c) normal[i + size_t(c)] = byteOf(0.5f + 0.5f * n[c]);
@@ -74,7 +77,8 @@ SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres,
         }
     }
     result.color = {.width = size, .height = size, .srgb = true, .rgba8 = std::move(color), .name = name};
-    result.normal = {.width = half, .height = half, .srgb = false, .rgba8 = std::move(normal), .name = name + " normal"};
+    result.normal = {
+        .width = half, .height = half, .srgb = false, .rgba8 = std::move(normal), .name = name + " normal"};
     return result;
 }
 
@@ -92,13 +96,15 @@ SurfaceImages paintAshlar(const std::string& name, vec3 color, uint32_t seed) {
     return paintSurface(name, 1024, 3.2f, [=](vec2 uv) {
         const Stone stone = stoneAt(uv, 4, 8, 0.5f);
         const float tint = hash01(stone.column, stone.row, seed), warm = hash01(stone.column, stone.row, seed + 1);
-        const float broad = fractalNoise(uv * 8.0f, 8, 5, seed + 2), grain = fractalNoise(uv * 128.0f, 128, 2, seed + 3);
+        const float broad = fractalNoise(uv * 8.0f, 8, 5, seed + 2),
+                    grain = fractalNoise(uv * 128.0f, 128, 2, seed + 3);
         const float joint = stepBetween(0.0016f, 0.0034f, stone.joint + 0.0006f * (grain - 0.5f));
         const float bevel = stepBetween(0.0016f, 0.0060f, stone.joint);
         vec3 stoneColor = color * (0.84f + 0.12f * tint + 0.14f * (broad - 0.3f) + 0.05f * (grain - 0.5f));
         stoneColor *= glm::mix(vec3(1.02f, 1.0f, 0.96f), vec3(0.97f, 0.99f, 1.02f), warm);
         const vec3 mortar = color * (0.66f + 0.1f * grain);
-        return SurfacePoint{glm::mix(mortar, stoneColor, joint), 0.007f * bevel + 0.003f * broad + 0.0012f * grain + 0.003f * tint};
+        return SurfacePoint{glm::mix(mortar, stoneColor, joint),
+                            0.007f * bevel + 0.003f * broad + 0.0012f * grain + 0.003f * tint};
     });
 }
 
@@ -137,11 +143,14 @@ SurfaceImages paintPavers(const std::string& name, uint32_t seed) {
         const int kind = diamond ? 99 : 0;
         const float tint = hash01(slab.column + kind, slab.row, seed);
         const float broad = fractalNoise(uv * 8.0f, 8, 5, seed + 2), grain = fractalNoise(uv * 96.0f, 96, 2, seed + 3);
-        const vec3 base = diamond ? vec3(0.55f, 0.36f, 0.28f) : glm::mix(vec3(0.71f, 0.62f, 0.50f), vec3(0.79f, 0.71f, 0.58f), tint);
+        const vec3 base =
+            diamond ? vec3(0.55f, 0.36f, 0.28f) : glm::mix(vec3(0.71f, 0.62f, 0.50f), vec3(0.79f, 0.71f, 0.58f), tint);
         const vec3 color = base * (0.85f + 0.24f * broad + 0.06f * (grain - 0.5f));
-        const float inside = diamond && slab.joint * 4.0f < std::abs(inset) * 0.7f ? std::abs(inset) * 0.7f : joint;  // no joint across an inset
+        const float inside = diamond && slab.joint * 4.0f < std::abs(inset) * 0.7f ? std::abs(inset) * 0.7f
+                                                                                   : joint;  // no joint across an inset
         const float face = stepBetween(0.006f, 0.016f, inside);
-        return SurfacePoint{glm::mix(vec3(0.50f, 0.45f, 0.38f), color, face), 0.005f * face + 0.003f * broad + 0.001f * grain};
+        return SurfacePoint{glm::mix(vec3(0.50f, 0.45f, 0.38f), color, face),
+                            0.005f * face + 0.003f * broad + 0.001f * grain};
     });
 }
 
@@ -157,7 +166,8 @@ SurfaceImages paintTerracottaFloor(const std::string& name, uint32_t seed) {
         const float tint = hash01(name0, name1, seed);
         const float broad = fractalNoise(uv * 4.0f, 4, 5, seed + 2), grain = fractalNoise(uv * 64.0f, 64, 2, seed + 3);
         const float face = stepBetween(0.012f, 0.035f, std::min(edge.x, edge.y));
-        const vec3 color = glm::mix(vec3(0.60f, 0.38f, 0.27f), vec3(0.72f, 0.49f, 0.35f), tint) * (0.84f + 0.26f * broad + 0.08f * (grain - 0.5f));
+        const vec3 color = glm::mix(vec3(0.60f, 0.38f, 0.27f), vec3(0.72f, 0.49f, 0.35f), tint) *
+                           (0.84f + 0.26f * broad + 0.08f * (grain - 0.5f));
         return SurfacePoint{glm::mix(vec3(0.56f, 0.49f, 0.41f), color, face), 0.004f * face + 0.002f * broad};
     });
 }
@@ -168,7 +178,8 @@ SurfaceImages paintTerracotta(const std::string& name, uint32_t seed) {
         const float tint = hash01(tile.column, tile.row, seed);
         const float broad = fractalNoise(uv * 6.0f, 6, 5, seed + 2), grain = fractalNoise(uv * 64.0f, 64, 2, seed + 3);
         const float lichen = stepBetween(0.60f, 0.72f, fractalNoise(uv * 12.0f, 12, 4, seed + 4));
-        vec3 color = glm::mix(vec3(0.60f, 0.34f, 0.23f), vec3(0.76f, 0.49f, 0.34f), tint) * (0.82f + 0.30f * broad + 0.08f * (grain - 0.5f));
+        vec3 color = glm::mix(vec3(0.60f, 0.34f, 0.23f), vec3(0.76f, 0.49f, 0.34f), tint) *
+                     (0.82f + 0.30f * broad + 0.08f * (grain - 0.5f));
         color = glm::mix(color, vec3(0.58f, 0.54f, 0.42f), 0.45f * lichen);
         const float edge = stepBetween(0.0f, 0.10f, tile.inside.y);  // the lower rim of each row stands proud
         return SurfacePoint{color * (0.75f + 0.25f * edge), 0.012f * (1.0f - tile.inside.y) * edge + 0.002f * broad};
@@ -203,7 +214,8 @@ SurfaceImages paintMarbleChequer(const std::string& name, vec3 light, vec3 dark,
         const float fine = 1.0f - std::abs(2.0f * fraction(wave * 2.0f + 4.0f * warp.y) - 1.0f);
         const float lines = 0.7f * stepBetween(0.86f, 1.0f, vein) + 0.35f * stepBetween(0.80f, 1.0f, fine);
         const float cloud = fractalNoise(uv * 10.0f, 10, 4, seed + 3);
-        const vec3 color = white ? light * (0.90f + 0.12f * cloud - 0.16f * lines) : dark * (0.80f + 0.4f * cloud) + vec3(0.20f) * lines * lines;
+        const vec3 color = white ? light * (0.90f + 0.12f * cloud - 0.16f * lines)
+                                 : dark * (0.80f + 0.4f * cloud) + vec3(0.20f) * lines * lines;
         const float face = stepBetween(0.0008f, 0.0020f, square.joint);
         return SurfacePoint{glm::mix(vec3(0.22f, 0.20f, 0.18f), color, face), 0.0f};
     });
@@ -219,7 +231,8 @@ SurfaceImages paintCloth(const std::string& name, vec3 color, vec3 pattern, uint
         const float thread = 0.5f + 0.5f * std::sin(uv.x * 6.2831853f * 100.0f) * std::sin(uv.y * 6.2831853f * 100.0f);
         const float worn = fractalNoise(uv * 5.0f, 5, 4, seed);
         const vec3 tone = glm::mix(color, pattern, std::max(lattice, flower));
-        return SurfacePoint{tone * (0.80f + 0.12f * thread + 0.16f * worn), 0.0006f * thread + 0.0008f * std::max(lattice, flower)};
+        return SurfacePoint{tone * (0.80f + 0.12f * thread + 0.16f * worn),
+                            0.0006f * thread + 0.0008f * std::max(lattice, flower)};
     });
 }
 
@@ -227,53 +240,6 @@ SurfaceImages paintRipples(const std::string& name, uint32_t seed) {
     return paintSurface(name, 256, 0.9f, [=](vec2 uv) {
         return SurfacePoint{vec3(0.5f), 0.009f * fractalNoise(uv * 6.0f, 6, 3, seed)};
     });
-}
-
-ImageData paintStainedGlass(const std::string& name, uint32_t width, int palette, uint32_t seed) {
-    // Linear transmittances of the glass: ground, second, third, accent, pale.
-    static const vec3 glass[3][5] = {
-        {{0.72f, 0.05f, 0.05f}, {0.10f, 0.16f, 0.62f}, {0.80f, 0.50f, 0.08f}, {0.08f, 0.42f, 0.16f}, {0.90f, 0.80f, 0.58f}},
-        {{0.06f, 0.16f, 0.66f}, {0.10f, 0.36f, 0.62f}, {0.72f, 0.07f, 0.08f}, {0.80f, 0.56f, 0.12f}, {0.78f, 0.84f, 0.84f}},
-        {{0.66f, 0.62f, 0.52f}, {0.58f, 0.60f, 0.54f}, {0.74f, 0.60f, 0.30f}, {0.34f, 0.46f, 0.58f}, {0.80f, 0.77f, 0.68f}}};
-    const vec3* colors = glass[palette];
-    const uint32_t height = 2 * width;
-    ImageData image{.width = width, .height = height, .srgb = true, .name = name};
-    image.rgba8.resize(size_t(width) * height * 4);
-    for (uint32_t y = 0; y < height; ++y) {
-        for (uint32_t x = 0; x < width; ++x) {
-            const vec2 uv((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height));
-            // Medallions down the middle of each half, small pieces of the ground colour around them, a beaded border.
-            const vec2 p(fraction(uv.x * 2.0f) - 0.5f, uv.y * 6.0f), local(p.x * 1.15f, fraction(p.y) - 0.5f);
-            const int number = int(std::floor(p.y)) * 2 + (uv.x < 0.5f ? 0 : 1);
-            const float angle = std::atan2(local.y, local.x), radius = glm::length(local) * (1.0f + 0.10f * std::cos(4.0f * angle));
-            const float border = std::min(std::abs(p.x + 0.5f), std::abs(0.5f - p.x));
-            const Cell piece = cellNoise(vec2(uv.x * 12.0f, uv.y * 30.0f), 60, seed + 3, 0.8f);
-            vec3 color;
-            float lead = piece.border * 0.5f;
-            if (border < 0.07f) {
-                const float bead = fraction(p.y * 5.0f);
-                color = colors[int(std::floor(p.y * 5.0f)) % 2 == 0 ? 2 : 4];
-                lead = std::min({0.5f * std::min(bead, 1.0f - bead), 6.0f * std::abs(border - 0.07f)});
-            } else if (radius < 0.36f) {
-                const int sector = int(std::floor((angle + 3.14159265f) / 6.2831853f * 8.0f));
-                const float turn = fraction((angle + 3.14159265f) / 6.2831853f * 8.0f), arc = std::min(turn, 1.0f - turn) * radius * 0.8f;
-                if (radius < 0.12f) color = colors[3], lead = 4.0f * (0.12f - radius);
-                else if (radius < 0.27f) color = colors[(sector + number) % 2 == 0 ? 2 : 4], lead = std::min({6.0f * arc, 4.0f * (radius - 0.12f), 4.0f * (0.27f - radius)});
-                else color = colors[(sector % 2) == 0 ? 1 : 3], lead = std::min({6.0f * arc, 4.0f * (radius - 0.27f), 4.0f * (0.36f - radius)});
-            } else {
-                color = glm::mix(colors[0], colors[1], piece.id < 0.3f ? 0.9f : 0.25f * piece.id);
-                lead = std::min({lead, 4.0f * (radius - 0.36f), 6.0f * (border - 0.07f)});
-            }
-            const float streak = 0.80f + 0.35f * (fractalNoise(vec2(uv.x * 20.0f, uv.y * 48.0f), 4096, 3, seed) - 0.3f) + 0.2f * (piece.id - 0.5f);
-            color *= streak * (0.02f + 0.98f * stepBetween(0.03f, 0.09f, lead));
-            for (int c = 0; c < 3; ++c) {
-                const float l = std::clamp(color[c], 0.0f, 1.0f);
-                image.rgba8[(size_t(y) * width + x) * 4 + size_t(c)] = byteOf(l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1.0f / 2.4f) - 0.055f);
-            }
-            image.rgba8[(size_t(y) * width + x) * 4 + 3] = 255;
-        }
-    }
-    return image;
 }
 
 uint32_t addSurfaceMaterial(SceneBuilder& builder, const SurfaceImages& images, Material base, const std::string& name,

@@ -21,7 +21,8 @@ struct SurfaceImages {
 };
 
 /// Paints size x size pixels. `paint` gets uv in [0, 1)^2; v = 0 is the image's first row. It must be periodic.
-SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres, const std::function<SurfacePoint(vec2)>& paint);
+SurfaceImages paintSurface(const std::string& name, uint32_t size, float metres,
+                           const std::function<SurfacePoint(vec2)>& paint);
 
 SurfaceImages paintLimestone(const std::string& name, vec3 color, uint32_t seed);
 /// Rows of cut blocks, two metres of them.
