@@ -6,8 +6,9 @@
 // A ray's own coordinates: axes permuted so that the third is the direction's largest, sheared so that it looks along it.
 struct RayFrame {
     vec3 origin;
-    uint axis;   // 0, 1, 2: which axis became the third
-    vec3 shear;
+    uint axis;       // 0, 1, 2: which axis became the third
+    vec3 direction;
+    vec2 shear;
 };
 
 vec3 permuteAxes(vec3 v, uint axis) {
@@ -20,16 +21,20 @@ RayFrame rayFrame(vec3 origin, vec3 direction) {
     float y = abs(direction.y);
     float z = abs(direction.z);
     f.origin = origin;
+    f.direction = direction;
     f.axis = SELECT(x > y, SELECT(x > z, uint(0u), uint(2u)), SELECT(y > z, uint(1u), uint(2u)));
     vec3 d = permuteAxes(direction, f.axis);
     float inverse = 1.0f / d.z;
-    f.shear = vec3(d.x * inverse, d.y * inverse, inverse);
+    f.shear = vec2(d.x * inverse, d.y * inverse);
     return f;
 }
 
-// Distance along the ray in units of its direction, negative where it misses or the triangle has no area as seen.
+// Distance along the ray in units of its direction, negative where it misses or the triangle has no area as seen. The
+// distance is that of the plane, not the corners' weighted by u, v, w: from an origin just above a long thin triangle the
+// latter can come out on the wrong side.
 float triangleDistance(RayFrame f, vec3 v0, vec3 v1, vec3 v2) {
-    vec3 a = permuteAxes(v0 - f.origin, f.axis);
+    vec3 toCorner = v0 - f.origin;
+    vec3 a = permuteAxes(toCorner, f.axis);
     vec3 b = permuteAxes(v1 - f.origin, f.axis);
     vec3 c = permuteAxes(v2 - f.origin, f.axis);
     float ax = a.x - f.shear.x * a.z;
@@ -43,6 +48,7 @@ float triangleDistance(RayFrame f, vec3 v0, vec3 v1, vec3 v2) {
     float w = bx * ay - by * ax;
     bool negative = min(min(u, v), w) < 0.0f;
     bool positive = max(max(u, v), w) > 0.0f;
-    float t = (u * a.z + v * b.z + w * c.z) * f.shear.z / (u + v + w);
-    return SELECT(negative == positive, -1.0f, t);  // outside, or all three 0: seen edge-on
+    if (negative == positive) return -1.0f;  // outside, or all three 0: seen edge-on
+    vec3 n = cross(v1 - v0, v2 - v0);
+    return dot(toCorner, n) / dot(f.direction, n);
 }

@@ -1,5 +1,6 @@
 // Compares two devices on the same request, pixel by pixel: parity [options] [SCENE...]
-//   --device D      the device that is compared with embree (vulkan:0); --size WxH, --samples N, --ao
+//   --device D      the device that is compared with embree (vulkan:0; `embree`: its own watertight mode,
+//                   which shows how many pixels hang on the rounding of edges); --size WxH, --samples N, --ao, --set NAME=VALUE
 //   --checkerboard  every other tile from the other device
 //   --out FOLDER    pictures of both devices and of the difference where a scene fails, or always with --pictures
 //   --robust        embree traces watertight
@@ -71,6 +72,7 @@ struct Options {
     bool robust = false;
     std::string out;
     double bar = -1.0;
+    std::vector<std::string> set;
     std::vector<std::string> scenes;
 };
 
@@ -155,6 +157,7 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     settings.robust = options.robust;
     settings.primaryPackets = options.packets;
     settings.secondaryPackets = options.packets;
+    for (const std::string& text : options.set) settings.setFromText(text);
     embree.load(scene, settings, {});
     other.load(scene, settings, {});
     // A camera on a scene's axis of symmetry looks through pixel centres along whole edges, and which of two neighbours a
@@ -165,6 +168,7 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     FrameStats first, second;
     std::vector<vec4> a = render(embree, request, options, first);
     Checkerboard both(embree, other);
+    if (options.device == "embree") request.settings.robust = !options.robust;
     std::vector<vec4> b = render(options.checkerboard ? both : other, request, options, second);
     Comparison c = compare(a, b, options.size.x);
     double identical = 100.0 * static_cast<double>(c.identical) / static_cast<double>(c.pixels);
@@ -208,6 +212,7 @@ Options parse(int argc, char** argv) {
             if (std::sscanf(value().c_str(), "%ux%u", &options.size.x, &options.size.y) != 2)
                 throw std::runtime_error("--size wants WxH");
         } else if (word == "--samples") options.samples = static_cast<uint32_t>(std::stoul(value()));
+        else if (word == "--set") options.set.push_back(value());
         else if (word == "--ao") options.occlusion = true;
         else if (word == "--checkerboard") options.checkerboard = true;
         else if (word == "--robust") options.robust = true;
