@@ -3,6 +3,7 @@
 #include "server/device/embree/embree_device.h"
 #include "server/device/embree/embree_raw.h"
 
+#include "server/device/vulkan/raster_device.h"
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/render/spare_device.h"
 
@@ -30,6 +31,7 @@ std::unique_ptr<Device> makeDevice(const Settings& settings) {
     if (word == "auto") return hasGpu() ? withSpare(makeVulkanDevice()) : makeEmbreeDevice();
     if (word == "vulkan") return withSpare(makeVulkanDevice());
     if (word.starts_with("vulkan:")) return withSpare(makeVulkanDevice(word.substr(7)));
+    if (word == "raster") return makeRasterDevice();
     return makeEmbreeDevice();
 }
 

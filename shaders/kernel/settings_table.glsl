@@ -5,7 +5,7 @@
 // SETTING_CHOICE(name, default, "a|b|c", label, effect, price, help)        stored as the index of the choice
 // effect: the effect_table row it belongs to, or "". price: which direction is exact and dearer: "up", "down", "on", "off" or "".
 // The K rows (SETTING_K_*) are also fields of the kernel's settings block.
-SETTING_CHOICE(device, 0, "auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3", "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present.")
+SETTING_CHOICE(device, 0, "auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3|raster", "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present.")
 SETTING_FLOAT(renderScale, 1.0f, 0.125f, 1.0f, "x", "Render scale", "", "up", "Rendered resolution as a share of the window. Lower is faster and softer.")
 SETTING_INT(samples, 64, 1, 65536, "per pixel", "Samples at rest", "", "up", "How many samples a pixel collects while the camera rests. More samples, smoother edges.")
 SETTING_BOOL(shadows, true, "Shadows", "shadows", "on", "Hard shadows from every light. Costs one ray per light and visible point.")
@@ -23,6 +23,7 @@ SETTING_FLOAT(exposure, 0.0f, -10.0f, 10.0f, "EV", "Exposure", "", "", "Brightne
 SETTING_CHOICE(toneCurve, 0, "filmic|linear", "Tone curve", "", "", "filmic rolls highlights off softly; linear clips at white.")
 SETTING_BOOL(cameraPath, false, "Camera path", "", "", "Fly along the scene's camera path.")
 SETTING_FLOAT(fieldOfView, 60.0f, 1.0f, 179.0f, "deg", "Field of view", "", "", "Vertical opening angle of the camera.")
+SETTING_CHOICE(rasterView, 0, "shaded|normals|depth|material|primitive", "Raster view", "", "", "What the raster preview shows: the lit surface without shadows, or normals, depth, materials and triangles for looking into meshes.")
 SETTING_INT(embreeThreads, 0, 0, 256, "threads", "Embree threads", "", "", "Threads that trace on the CPU; 0 uses every core.")
 SETTING_BOOL(tiles, true, "Tiles", "", "", "Render in tiles; off renders rows of the full width, 8 pixels high.")
 SETTING_CHOICE(tileWidth, 2, "8|16|32|64|128|256", "Tile width", "", "", "Width of a CPU tile, in pixels.")

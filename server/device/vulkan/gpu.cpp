@@ -116,6 +116,18 @@ void Gpu::reserve(uint64_t bytes) {
     allocated_ += bytes;
 }
 
+VkDeviceMemory Gpu::allocateFor(VkImage image) {
+    VkMemoryRequirements needs;
+    vkGetImageMemoryRequirements(device_, image, &needs);
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = needs.size;
+    info.memoryTypeIndex = memoryType(needs.memoryTypeBits, Memory::device);
+    VkDeviceMemory memory;
+    check(vkAllocateMemory(device_, &info, nullptr, &memory), "allocate " + std::to_string(needs.size) + " bytes for an image");
+    check(vkBindImageMemory(device_, image, memory, 0), "bind memory");
+    return memory;
+}
+
 VkCommandBuffer Gpu::newCommands() {
     VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     info.commandPool = pool_;

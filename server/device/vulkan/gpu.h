@@ -69,6 +69,9 @@ public:
         return filled(content.data(), content.size_bytes(), usage);
     }
 
+    /// Memory of the image's own, bound to it; the caller frees it.
+    VkDeviceMemory allocateFor(VkImage image);
+
     VkCommandBuffer newCommands();
     void freeCommands(VkCommandBuffer commands);
     /// Records with `record`, runs it and waits.

@@ -45,37 +45,50 @@ GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t qualit
     double built = now();
     buildSeconds_ = built - begin;
     report(progress, "uploading the scene", 0.8);
-    const Scene& s = *scene_;
-    std::vector<Instance> instances = s.instances;
+    std::vector<Instance> instances = scene_->instances;
     for (Instance& instance : instances) instance.root = bvh.meshRoots[instance.mesh];
     try {
-        put(binding::POSITIONS, "vertices", s.positions.data(), s.positions.size());
-        put(binding::ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
-        put(binding::TANGENTS, "tangents", s.tangents.data(), s.tangents.size());
-        put(binding::TRIANGLES, "triangles", s.triangles.data(), s.triangles.size());
-        put(binding::MESHES, "meshes", s.meshes.data(), s.meshes.size());
-        put(binding::INSTANCES, "instances", instances.data(), instances.size());
-        put(binding::MATERIALS, "materials", s.materials.data(), s.materials.size());
-        put(binding::TEXTURES, "textures", s.textures.data(), s.textures.size());
-        put(binding::IMAGES, "images", s.images.data(), s.images.size());
-        put(binding::IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
-        // CPU-type devices fetch texels through the texel buffer, which may be larger than a storage buffer.
-        bool fetched = bvhWidth_ == 4;
-        put(fetched ? binding::TEXEL_FETCH : binding::TEXELS, "images' texels", s.texels.data(), s.texels.size());
-        put(fetched ? binding::TEXELS : binding::TEXEL_FETCH, "", s.texels.data(), 0);
-        put(binding::LIGHTS, "lights", s.lights.data(), s.lights.size());
-        put(binding::ENVIRONMENT, "environment", &s.environment, 1);
-        put(binding::SOBOL, "sample points", sobolTable().data(), sobolTable().size());
+        putArrays(std::move(instances), bvhWidth_ == 4);
         put(binding::BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
         put(binding::BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
     } catch (...) {
-        for (VkBufferView view : views_) vkDestroyBufferView(gpu_.handle(), view, nullptr);
+        dropViews();
         throw;
     }
     uploadSeconds_ = now() - built;
 }
 
-GpuScene::~GpuScene() {
+GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress)
+    : gpu_(gpu), scene_(std::move(scene)) {
+    double begin = now();
+    report(progress, "uploading the scene", 0.0);
+    putArrays(scene_->instances, false);
+    uploadSeconds_ = now() - begin;
+}
+
+void GpuScene::putArrays(std::vector<Instance> instances, bool fetchedTexels) {
+    const Scene& s = *scene_;
+    put(binding::POSITIONS, "vertices", s.positions.data(), s.positions.size());
+    put(binding::ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
+    put(binding::TANGENTS, "tangents", s.tangents.data(), s.tangents.size());
+    put(binding::TRIANGLES, "triangles", s.triangles.data(), s.triangles.size());
+    put(binding::MESHES, "meshes", s.meshes.data(), s.meshes.size());
+    put(binding::INSTANCES, "instances", instances.data(), instances.size());
+    put(binding::MATERIALS, "materials", s.materials.data(), s.materials.size());
+    put(binding::TEXTURES, "textures", s.textures.data(), s.textures.size());
+    put(binding::IMAGES, "images", s.images.data(), s.images.size());
+    put(binding::IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
+    // CPU-type devices fetch texels through a texel buffer, which may be larger than a storage buffer.
+    put(fetchedTexels ? binding::TEXEL_FETCH : binding::TEXELS, "images' texels", s.texels.data(), s.texels.size());
+    put(fetchedTexels ? binding::TEXELS : binding::TEXEL_FETCH, "", s.texels.data(), 0);
+    put(binding::LIGHTS, "lights", s.lights.data(), s.lights.size());
+    put(binding::ENVIRONMENT, "environment", &s.environment, 1);
+    put(binding::SOBOL, "sample points", sobolTable().data(), sobolTable().size());
+}
+
+GpuScene::~GpuScene() { dropViews(); }
+
+void GpuScene::dropViews() {
     for (VkBufferView view : views_) vkDestroyBufferView(gpu_.handle(), view, nullptr);
 }
 
@@ -89,10 +102,22 @@ VkBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {
     return view;
 }
 
-void GpuScene::bind(VkDescriptorSet set) const {
+void GpuScene::bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const {
+    bindUpTo(set, binding::SOBOL);
+    VkDescriptorBufferInfo info{frame.handle(), 0, VK_WHOLE_SIZE};
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstSet = set;
+    write.dstBinding = binding::FRAME;
+    write.descriptorCount = 1;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    write.pBufferInfo = &info;
+    vkUpdateDescriptorSets(gpu_.handle(), 1, &write, 0, nullptr);
+}
+
+void GpuScene::bindUpTo(VkDescriptorSet set, uint32_t last) const {
     VkDescriptorBufferInfo infos[binding::COUNT];
     std::vector<VkWriteDescriptorSet> writes;
-    for (uint32_t i = binding::POSITIONS; i <= binding::TEXEL_FETCH; i++) {
+    for (uint32_t i = binding::POSITIONS; i <= last; i++) {
         if (i == binding::UNUSED) continue;
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set;

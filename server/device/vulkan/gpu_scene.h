@@ -21,6 +21,8 @@ public:
     /// Builds the trees and uploads. quality: 0 low, 1 medium, 2 high. Throws InputError for a scene that does not fit the
     /// device's buffers, naming the array; VulkanError when memory runs out.
     GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress);
+    /// The arrays alone, without trees, all as storage buffers: what drawing needs.
+    GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress);
     ~GpuScene();
     GpuScene(const GpuScene&) = delete;
     GpuScene& operator=(const GpuScene&) = delete;
@@ -32,13 +34,18 @@ public:
     double buildSeconds() const { return buildSeconds_; }
     double uploadSeconds() const { return uploadSeconds_; }
     /// Writes the scene's bindings of a set.
-    void bind(VkDescriptorSet set) const;
+    void bind(VkDescriptorSet set) const { bindUpTo(set, binding::TEXEL_FETCH); }
+    /// Writes the kernel's bindings alone, `frame` with them.
+    void bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const;
 
     static uint32_t widthFor(const PhysicalDevice& physical) { return physical.isCpu() ? 4 : 2; }
     /// Whether binding `index` of a set for trees of `width` is a texel buffer.
     static bool isTexelBinding(uint32_t index, uint32_t width);
 
 private:
+    void putArrays(std::vector<Instance> instances, bool fetchedTexels);
+    void dropViews();
+    void bindUpTo(VkDescriptorSet set, uint32_t last) const;
     template <typename T>
     void put(uint32_t index, const char* what, const T* data, size_t count);
     VkBufferView view(const GpuBuffer& buffer, VkFormat format) const;
