@@ -59,6 +59,12 @@ void check(RTCDevice device, const char* what) {
         throw std::runtime_error(std::string("Embree could not ") + what + " (error " + std::to_string(error) + ")");
 }
 
+bool hasPlacedInstance(const Scene& scene) {
+    for (const Instance& instance : scene.instances)
+        if ((instance.flags & INSTANCE_IDENTITY) == 0) return true;
+    return false;
+}
+
 bool continueBuild(void* pointer, double share) {
     const auto& progress = *static_cast<const Progress*>(pointer);
     report(progress, "building the acceleration structure", share);
@@ -75,6 +81,7 @@ EmbreeScene::EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, u
         coherentPrimary_ = coherentPrimary_ && mesh.opacity != OPACITY_MASKED;
         coherentShadows_ = coherentShadows_ && mesh.opacity == OPACITY_OPAQUE;
     }
+    if (nativePacketWidth(device) == PACKET && hasPlacedInstance(*scene_)) coherentPrimary_ = coherentShadows_ = false;
     RTCSceneFlags flags = robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE;
     root_ = rtcNewScene(device);
     rtcSetSceneFlags(root_, flags);

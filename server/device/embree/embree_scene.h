@@ -29,7 +29,8 @@ public:
     const SceneView& view() const { return view_; }
 
     /// Whether packets of camera (shadow) rays may be traced as coherent. Not where a filter function may reject their
-    /// hits: Embree 3.13.5's coherent packet traversal does not end then when instances are met.
+    /// hits, and not 16 wide where there are placed instances: Debian 12's Embree 3.13.5 may not end then. (Its AVX-512
+    /// traversal of instances stores 16 bits of a lane mask and reads 64: it ends if the stack happens to hold zeros.)
     bool coherentPrimary() const { return coherentPrimary_; }
     bool coherentShadows() const { return coherentShadows_; }
 
