@@ -134,12 +134,22 @@ std::shared_ptr<const Scene> fence(bool placed) {
     Material m = glow(vec3(2.0f));
     m.flags |= MATERIAL_ALPHA_MASK;
     m.baseTexture = builder.addTexture(slot);
-    const uint32_t mesh = builder.addMesh(sheet(3.0f, builder.addMaterial(m, "fence")));
-    builder.addInstance(mesh, mat4(1.0f));
+    MeshData body = sheet(3.0f, builder.addMaterial(m, "fence"));
     if (placed) {
-        mat4 aside(1.0f);
-        aside[3] = vec4(100, 0, 0, 1);
-        builder.addInstance(mesh, aside);
+        // Modelled elsewhere, standing in two places: stays in object space.
+        for (vec3& p : body.positions) p = vec3(p.z, p.x, p.y) * 2.0f + vec3(7, 0, 0);
+        for (vec3& n : body.normals) n = vec3(1, 0, 0);
+        mat4 back(0.0f);
+        back[0] = vec4(0, 0, 0.5f, 0);
+        back[1] = vec4(0.5f, 0, 0, 0);
+        back[2] = vec4(0, 0.5f, 0, 0);
+        back[3] = vec4(0, 0, -3.5f, 1);
+        const uint32_t mesh = builder.addMesh(body);
+        builder.addInstance(mesh, back);
+        back[3].x = 100.0f;
+        builder.addInstance(mesh, back);
+    } else {
+        place(builder, body);
     }
     place(builder, ground(50.0f, builder.addMaterial(paint(vec3(1.0f)), "white")));
     builder.addLight(sun(vec3(0, -1, 0), vec3(float(EXACT_PI))));

@@ -1,5 +1,7 @@
 #include "server/device/embree/ray_packet.h"
 
+#include <cstddef>
+#include <cstring>
 #include <type_traits>
 
 namespace heliograph {
@@ -13,6 +15,16 @@ TraceContext makeContext(const RTCRay16& rays, bool coherent) {
     context.rays = &rays;
     return context;
 }
+
+// The rays as sent. Embree moves the packet that it is given into an instance's space and back while it is inside, and the
+// filters need the world's.
+struct SentRays {
+    RTCRay16 rays;
+    SentRays(TraceContext& context, const RTCRay16& packet) {
+        std::memcpy(&rays, &packet, offsetof(RTCRay16, time));  // origins and directions
+        context.rays = &rays;
+    }
+};
 
 struct alignas(64) ValidMask {
     int lane[PACKET];
@@ -128,6 +140,7 @@ void traceClosest(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceMode
             packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
             packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
+        SentRays sent(context, packet.ray);
         rtcIntersect16(valid.lane, scene, &context.rtc, &packet);
     } else if (mode.width == 8) {
         closestNarrow<8, RTCRayHit8>(scene, packet, count, context, rtcIntersect8);
@@ -143,6 +156,7 @@ uint32_t traceOccluded(RTCScene scene, RTCRay16& packet, uint32_t count, TraceMo
     uint32_t blocked = 0;
     if (mode.width == 16) {
         ValidMask valid(count);
+        SentRays sent(context, packet);
         rtcOccluded16(valid.lane, scene, &context.rtc, &packet);
         for (uint32_t i = 0; i < count; i++) blocked |= (packet.tfar[i] < 0.0f ? 1u : 0u) << i;
     } else if (mode.width == 8) {
