@@ -16,7 +16,7 @@ constexpr uint32_t BAND_ROWS = 16;  // developed and coded at once: the floats s
 
 void develop(const FinishedFrame& frame, std::vector<vec4>& band, DisplayImage& display) {
     const Film& film = *frame.film;
-    const uvec2 size = film.resolution();
+    const uvec2 size = frame.size;
     const ToneMap toneMap(frame.view.settings.exposure + frame.sceneExposure,
                           static_cast<ToneCurve>(frame.view.settings.toneCurve));
     display.width = size.x;
@@ -51,7 +51,7 @@ MakingCosts PictureMaker::make(const FinishedFrame& frame, FrameCodec codec, uin
     costs.relativeError = frame.film->relativeError();
     costs.developSeconds = watch.seconds();
     watch.restart();
-    if (codec == FrameCodec::exr) encodeExr(pixels_, frame.film->resolution(), payload_);
+    if (codec == FrameCodec::exr) encodeExr(pixels_, frame.size, payload_);
     else if (codec == FrameCodec::png) encoders_->png->encode(display_, quality, payload_);
     else encoders_->jpeg->encode(display_, quality, payload_);
     bytes.resize(front);

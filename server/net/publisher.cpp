@@ -19,7 +19,7 @@ FrameHeader headerOf(const Publisher::Order& order, const MakingCosts& costs, si
     header.frameId = order.frameId;
     header.inputId = frame.view.inputId;
     header.generation = frame.generation;
-    header.size = frame.film->resolution();
+    header.size = frame.size;
     header.fullSize = frame.view.resolution;
     header.samples = frame.samples;
     header.relativeError = static_cast<float>(costs.relativeError);

@@ -198,6 +198,7 @@ bool FrameLoop::deliver() {
 
     FinishedFrame frame;
     frame.film = film_;
+    frame.size = film_->resolution();
     frame.view = *view_;
     frame.generation = film_->generation();
     frame.samples = samples_;
@@ -270,6 +271,7 @@ bool FrameLoop::finishPicture() {
     FinishedFrame frame;
     frame.kind = FinishedFrame::Kind::picture;
     frame.film = picture_->film;
+    frame.size = picture_->film->resolution();
     frame.view = picture_->view;
     frame.generation = picture_->film->generation();
     frame.samples = finished;

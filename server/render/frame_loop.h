@@ -40,7 +40,8 @@ struct PassFigures {
 struct FinishedFrame {
     enum class Kind { frame, picture };
     Kind kind = Kind::frame;
-    std::shared_ptr<const Film> film;
+    std::shared_ptr<const Film> film;  // its locked functions alone: once let go of, the loop uses it again
+    uvec2 size{0, 0};                // of the film
     ViewRequest view;
     uint32_t generation = 0;
     uint32_t samples = 0;            // per pixel

@@ -52,6 +52,10 @@ struct Told {
     bool untilReading() {
         return until([&] { return !progress.empty() && progress.back().first == "reading"; });
     }
+    std::pair<std::string, double> first() {
+        std::lock_guard lock(mutex);
+        return progress.front();
+    }
     bool untilReady() {
         return until([&] { return scene != nullptr; });
     }
@@ -126,9 +130,9 @@ TEST(SceneCache, WhoComesLateIsToldWhereTheLoadStands) {
     auto one = cache.open("slow", early.listener());
     ASSERT_TRUE(early.untilReading());
     auto two = cache.open("slow", late.listener());
-    EXPECT_EQ(late.progress.front(), (std::pair<std::string, double>("reading", 0.7 * 0.5)));
+    EXPECT_EQ(late.first(), (std::pair<std::string, double>("reading", 0.7 * 0.5)));
     auto three = cache.open("other", queued.listener());
-    EXPECT_EQ(queued.progress.front(), (std::pair<std::string, double>("Waiting for another scene", 0.0)));
+    EXPECT_EQ(queued.first(), (std::pair<std::string, double>("Waiting for another scene", 0.0)));
     source.release = true;
     ASSERT_TRUE(queued.untilReady());
 }
