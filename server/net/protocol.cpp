@@ -1,5 +1,7 @@
 #include "server/net/protocol.h"
 
+#include "server/base/json_text.h"
+
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -10,6 +12,8 @@ namespace heliograph {
 namespace {
 
 using nlohmann::json;
+
+constexpr uint64_t DEEPEST_MESSAGE = 16;
 
 /// A value as it was found, short enough for one line.
 std::string shown(const json& value) {
@@ -168,6 +172,10 @@ std::optional<uint32_t> inputIdOf(const json& message) {
 
 ViewerMessage parseViewerMessage(std::string_view text) {
     json message;
+    if (jsonExtent(text, DEEPEST_MESSAGE).depth > DEEPEST_MESSAGE) {
+        throw MessageError(InputError("message", "JSON nested deeper than " + std::to_string(DEEPEST_MESSAGE), "one JSON object"),
+                           "", std::nullopt);
+    }
     try {
         message = json::parse(text);
     } catch (const json::exception& e) {

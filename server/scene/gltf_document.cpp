@@ -9,6 +9,7 @@
 #include "server/scene/gltf_document.h"
 
 #include "server/base/error.h"
+#include "server/base/json_text.h"
 #include "server/scene/file_folder.h"
 #include "server/scene/gltf_accessor.h"
 
@@ -21,7 +22,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr int DEEPEST_JSON = 64;
+constexpr uint64_t DEEPEST_JSON = 64;
 constexpr uint64_t MOST_JSON_VALUES = 8'000'000;  // about 32 bytes each once parsed
 
 uint32_t wordAt(ByteSpan bytes, size_t offset) {
@@ -82,24 +83,14 @@ Parts splitFile(ByteSpan bytes, const std::string& file, std::vector<std::string
 
 /// Depth and number of values, before anything is parsed.
 void checkJsonText(ByteSpan text, const std::string& file) {
-    int depth = 0;
-    uint64_t values = 0;
-    bool inString = false;
-    for (size_t i = 0; i < text.size(); i++) {
-        const uint8_t c = text[i];
-        if (inString) {
-            if (c == '\\') i++;
-            else if (c == '"') inString = false;
-            continue;
-        }
-        if (c == '"') inString = true;
-        if (c == '[' || c == '{') depth++, values++;
-        if (c == ']' || c == '}') depth--;
-        if (c == ',') values++;
-        if (depth > DEEPEST_JSON) throw InputError(file, "JSON nested deeper than " + std::to_string(DEEPEST_JSON));
+    const JsonExtent extent =
+        jsonExtent({reinterpret_cast<const char*>(text.data()), text.size()}, DEEPEST_JSON);
+    if (extent.depth > DEEPEST_JSON) {
+        throw InputError(file, "JSON nested deeper than " + std::to_string(DEEPEST_JSON));
     }
-    if (values > MOST_JSON_VALUES) {
-        throw InputError(file, std::to_string(values) + " JSON values", "at most " + std::to_string(MOST_JSON_VALUES));
+    if (extent.values > MOST_JSON_VALUES) {
+        throw InputError(file, std::to_string(extent.values) + " JSON values",
+                         "at most " + std::to_string(MOST_JSON_VALUES));
     }
 }
 

@@ -62,8 +62,14 @@ TEST(Protocol, RefusesWhatIsNoJsonObject) {
 }
 
 TEST(Protocol, RefusesDeepNestingWithoutHarm) {
-    std::string deep = R"({"type":"settings","inputId":1,"values":)" + std::string(30000, '[') + std::string(30000, ']') + "}";
-    EXPECT_EQ(refusal(deep).about(), "settings");
+    auto nested = [](size_t deep) {
+        return R"({"type":"settings","inputId":1,"values":)" + std::string(deep, '[') + std::string(deep, ']') + "}";
+    };
+    EXPECT_NE(std::string(refusal(nested(30000)).what()).find("nested deeper than 16"), std::string::npos);
+    EXPECT_EQ(refusal(nested(16)).about(), "");
+    EXPECT_EQ(refusal(nested(15)).about(), "settings");  // read, then refused for what it is
+    // Brackets in strings are no nesting.
+    EXPECT_EQ(refusal(R"({"type":")" + std::string(40, '[') + R"(\"[[[["})").field(), "type");
 }
 
 TEST(Protocol, RefusesUnknownTypesAndNamesTheKnownOnes) {
