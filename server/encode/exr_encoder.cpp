@@ -17,6 +17,7 @@ void encodeExr(const std::vector<vec4>& pixels, uvec2 resolution, std::vector<ui
     oiio::ImageSpec spec(static_cast<int>(resolution.x), static_cast<int>(resolution.y), 3, oiio::TypeDesc::FLOAT);
     spec.attribute("compression", "zip");
     spec.attribute("oiio:ColorSpace", "linear");
+    spec.attribute("DateTime", "1970:01:01 00:00:00");  // the same picture is the same file; left out, it would be now
     bool written = output->open("film.exr", spec) &&
                    output->write_image(oiio::TypeDesc::FLOAT, pixels.data(), sizeof(vec4),
                                        static_cast<oiio::stride_t>(sizeof(vec4)) * resolution.x) &&

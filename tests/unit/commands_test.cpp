@@ -160,17 +160,18 @@ TEST_F(CommandsTest, RenderTellsWhatItDid) {
 TEST_F(CommandsTest, RenderWritesTheSameFileForAnyThreadsAndTiles) {
     const std::string expected = rendered("a.png", {"--set", "embreeThreads=1"});
     EXPECT_GT(expected.size(), 500u);
-    EXPECT_EQ(rendered("b.png", {"--set", "embreeThreads=2"}), expected);
-    EXPECT_EQ(rendered("c.png", {"--set", "tileWidth=8", "--set", "tileHeight=8"}), expected);
-    EXPECT_EQ(rendered("d.png", {"--set", "tileWidth=64", "--set", "tileHeight=64"}), expected);
-    EXPECT_EQ(rendered("e.png", {"--set", "tiles=off"}), expected);
-    EXPECT_NE(rendered("f.png", {"--set", "exposure=1"}), expected);
+    EXPECT_TRUE(rendered("b.png", {"--set", "embreeThreads=2"}) == expected);
+    EXPECT_TRUE(rendered("c.png", {"--set", "tileWidth=8", "--set", "tileHeight=8"}) == expected);
+    EXPECT_TRUE(rendered("d.png", {"--set", "tileWidth=64", "--set", "tileHeight=64"}) == expected);
+    EXPECT_TRUE(rendered("e.png", {"--set", "tiles=off"}) == expected);
+    EXPECT_FALSE(rendered("f.png", {"--set", "exposure=1"}) == expected);
 }
 
 TEST_F(CommandsTest, RenderWritesTheFormatOfTheName) {
     EXPECT_THAT(rendered("a.jpg", {}), StartsWith("\xff\xd8\xff"));
     EXPECT_THAT(rendered("a.exr", {}), StartsWith("\x76\x2f\x31\x01"));
-    EXPECT_EQ(rendered("b.exr", {"--set", "exposure=3"}), content(file("a.exr"))) << "the film knows no exposure";
+    EXPECT_TRUE(rendered("b.exr", {"--set", "exposure=3"}) == content(file("a.exr"))) << "the film knows no exposure";
+    EXPECT_NE(content(file("a.exr")).find("1970:01:01"), std::string::npos) << "a clock in the file";
 }
 
 TEST_F(CommandsTest, RenderScaleMakesThePictureSmaller) {
