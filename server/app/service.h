@@ -12,7 +12,7 @@ struct ServiceOptions {
     SceneCache::Opener openScene;
     SceneCache::DeviceFactory makeDevice;
     Settings defaults;                // of every viewer
-    /// Pixels of all viewers' pictures together. A film takes 32 bytes a pixel and a viewer has two: 6 GiB for three
+    /// Pixels of all viewers' pictures together. A film takes 48 bytes a pixel and a viewer has two: 9 GiB for three
     /// viewers at 7680x4320.
     uint64_t pixelLimit = 3 * MAX_PIXELS;
 };

@@ -1,6 +1,6 @@
 // Sample values from (pixel, sample, dimension) alone. Camera jitter follows the R2 sequence (Roberts, "The Unreasonable
 // Effectiveness of Quasirandom Sequences", 2018), which starts at the pixel's centre; hemisphere samples come from an
-// Owen-scrambled Sobol table (host: render/sobol_table), shifted digit-wise per pixel and path vertex.
+// Owen-scrambled Sobol table (host: render/kernel_tables), shifted digit-wise per pixel and path vertex.
 
 UINT_CONSTANT(SOBOL_COUNT, 4096u)  // points in the table, a power of two
 

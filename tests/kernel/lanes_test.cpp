@@ -1,5 +1,5 @@
 // The kernel on SIMD lanes computes what the scalar kernel computes, bit for bit. Compiled here for the baseline's 4 lanes;
-// tests/image/instruction_set_test.cpp compares whole tiles on all the instruction sets that the processor has.
+// tests/image/determinism_test.cpp compares whole tiles on all the instruction sets that the processor has.
 
 #define HELIOGRAPH_KERNEL_NAMESPACE lanes_under_test
 #include "shaders/kernel/kernel_lanes.h"
