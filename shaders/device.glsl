@@ -6,6 +6,9 @@
 #ifndef BVH_WIDTH
 #define BVH_WIDTH 2
 #endif
+#if BVH_WIDTH == 4
+#define FETCH_ARRAYS
+#endif
 #define HAS(effect) ((EFFECTS & (effect)) != 0u)
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"
@@ -20,18 +23,15 @@ vec3 exactCross(vec3 a, vec3 b) {
 #define cross exactCross
 
 #if BVH_WIDTH == 2
-layout(std430, set = 0, binding = 16) readonly buffer NodeBuffer { uvec4 bvhNodes[]; };
-layout(std430, set = 0, binding = 17) readonly buffer BvhTriangleBuffer { uvec4 bvhTriangles[]; };
+layout(std430, set = 0, binding = 15) readonly buffer NodeBuffer { uvec4 bvhNodes[]; };
+layout(std430, set = 0, binding = 16) readonly buffer BvhTriangleBuffer { uvec4 bvhTriangles[]; };
 #define BVH_NODE(i) bvhNodes[i]
 #define BVH_TRIANGLE(i) bvhTriangles[i]
 #else
-layout(set = 0, binding = 16) uniform usamplerBuffer bvhNodes;
-layout(set = 0, binding = 17) uniform usamplerBuffer bvhTriangles;
-layout(set = 0, binding = 18) uniform usamplerBuffer imageTexels;
+layout(set = 0, binding = 15) uniform usamplerBuffer bvhNodes;
+layout(set = 0, binding = 16) uniform usamplerBuffer bvhTriangles;
 #define BVH_NODE(i) texelFetch(bvhNodes, int(i))
 #define BVH_TRIANGLE(i) texelFetch(bvhTriangles, int(i))
-#undef TEXEL
-#define TEXEL(i) texelFetch(imageTexels, int(i)).x
 #endif
 
 #include "kernel/kernel_files.inc"

@@ -9,8 +9,8 @@ layout(constant_id = 2) const uint BVH_STACK = 64u;
 
 #include "device.glsl"
 
-layout(std430, set = 0, binding = 19) readonly buffer RayBuffer { vec4 rays[]; };  // origin, tMax; direction, unused
-layout(std430, set = 0, binding = 20) writeonly buffer HitBuffer { uvec4 hits[]; };  // instance, primitive, FOUND_*, 0
+layout(std430, set = 0, binding = 17) readonly buffer RayBuffer { vec4 rays[]; };  // origin, tMax; direction, unused
+layout(std430, set = 0, binding = 18) writeonly buffer HitBuffer { uvec4 hits[]; };  // instance, primitive, FOUND_*, 0
 layout(push_constant) uniform Count { uint rayCount; };
 
 void main() {

@@ -20,9 +20,9 @@ struct TraceTile {
     uint firstPixel;   // in `sums`
 };
 
-layout(std430, set = 0, binding = 19) readonly buffer TileBuffer { TraceTile tiles[]; };
-layout(std430, set = 0, binding = 20) writeonly buffer SumBuffer { vec4 sums[]; };
-layout(std430, set = 0, binding = 21) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, then not finite
+layout(std430, set = 0, binding = 17) readonly buffer TileBuffer { TraceTile tiles[]; };
+layout(std430, set = 0, binding = 18) writeonly buffer SumBuffer { vec4 sums[]; };
+layout(std430, set = 0, binding = 19) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, then not finite
 layout(push_constant) uniform Batch { uint tileCount; };
 
 const uint COUNTS = 8u;

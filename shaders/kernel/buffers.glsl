@@ -1,8 +1,18 @@
 // The scene's buffers as GLSL sees them, and the names by which the kernel reads them (kernel.h has the C++ twins).
+// What is the same for every point are uniform blocks; the arrays are storage buffers, or texel buffers (fetch.glsl) where
+// the including file defines FETCH_ARRAYS.
 #ifndef HELIOGRAPH_BUFFERS_GLSL
 #define HELIOGRAPH_BUFFERS_GLSL
 
-layout(std430, set = 0, binding = 0) readonly buffer FrameBuffer { FrameConstants frameConstants; };
+layout(std140, set = 0, binding = 0) uniform FrameBlock { FrameConstants frameConstants; };
+layout(std140, set = 0, binding = 13) uniform EnvironmentBlock { Environment environmentData; };
+#define FRAME frameConstants
+#define ENVIRONMENT environmentData
+
+#ifdef FETCH_ARRAYS
+#include "fetch.glsl"
+#else
+
 layout(std430, set = 0, binding = 1) readonly buffer PositionBuffer { vec4 positions[]; };
 layout(std430, set = 0, binding = 2) readonly buffer AttributeBuffer { VertexAttributes vertexAttributes[]; };
 layout(std430, set = 0, binding = 3) readonly buffer TangentBuffer { vec4 tangents[]; };
@@ -15,10 +25,8 @@ layout(std430, set = 0, binding = 9) readonly buffer ImageBuffer { Image images[
 layout(std430, set = 0, binding = 10) readonly buffer ImageLevelBuffer { ImageLevel imageLevels[]; };
 layout(std430, set = 0, binding = 11) readonly buffer TexelBuffer { uint texels[]; };
 layout(std430, set = 0, binding = 12) readonly buffer LightBuffer { Light lights[]; };
-layout(std430, set = 0, binding = 13) readonly buffer EnvironmentBuffer { Environment environmentData; };
-layout(std430, set = 0, binding = 15) readonly buffer SobolBuffer { uvec2 sobolPoints[]; };
+layout(std430, set = 0, binding = 14) readonly buffer SobolBuffer { uvec2 sobolPoints[]; };
 
-#define FRAME frameConstants
 #define POSITION(i) positions[i]
 #define ATTRIBUTE(i, field) vertexAttributes[i].field
 #define TANGENT(i) tangents[i]
@@ -32,7 +40,7 @@ layout(std430, set = 0, binding = 15) readonly buffer SobolBuffer { uvec2 sobolP
 #define IMAGE_LEVEL(i) uvec4(imageLevels[i].firstTexel, imageLevels[i].width, imageLevels[i].height, 0u)
 #define TEXEL(i) texels[i]
 #define LIGHT(i) lights[i]
-#define ENVIRONMENT environmentData
 #define SOBOL(i) sobolPoints[i]
 
+#endif
 #endif

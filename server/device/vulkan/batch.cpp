@@ -32,7 +32,7 @@ uint64_t BatchSize::samples() const {
 
 Batch::Batch(Gpu& gpu, TracePipelines& pipelines, const GpuScene& scene)
     : gpu_(gpu), pipelines_(pipelines), set_(pipelines.newSet()), commands_(gpu.newCommands()),
-      frame_(gpu, sizeof(FrameConstants), STORAGE, Memory::upload) {
+      frame_(gpu, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {
     scene.bind(set_);
     VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
@@ -89,7 +89,7 @@ void Batch::bindOutputs() {
         writes[i].dstSet = set_;
         writes[i].dstBinding = outputs[i].first;
         writes[i].descriptorCount = 1;
-        writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        writes[i].descriptorType = GpuScene::descriptorType(outputs[i].first, 2);
         writes[i].pBufferInfo = &infos[i];
     }
     vkUpdateDescriptorSets(gpu_.handle(), 4, writes, 0, nullptr);

@@ -16,21 +16,32 @@ std::string mebibytes(uint64_t bytes) { return std::to_string((bytes + (1 << 20)
 
 }  // namespace
 
-bool GpuScene::isTexelBinding(uint32_t index, uint32_t width) {
-    return width == 4 && index >= binding::BVH_NODES && index <= binding::TEXEL_FETCH;
+VkDescriptorType GpuScene::descriptorType(uint32_t index, uint32_t width) {
+    if (index == binding::FRAME || index == binding::ENVIRONMENT) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    if (width == 4 && index <= binding::BVH_TRIANGLES) return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
 template <typename T>
 void GpuScene::put(uint32_t index, const char* what, const T* data, size_t count) {
+    // Rows of 16 bytes; texels and sample points are smaller than a row.
+    constexpr VkFormat FORMAT = sizeof(T) == 4   ? VK_FORMAT_R32_UINT
+                                : sizeof(T) == 8 ? VK_FORMAT_R32G32_UINT
+                                                 : VK_FORMAT_R32G32B32A32_UINT;
+    constexpr uint64_t ELEMENT = sizeof(T) < 16 ? sizeof(T) : 16;
+    static_assert(sizeof(T) % ELEMENT == 0);
+    VkDescriptorType type = descriptorType(index, bvhWidth_);
+    bool texels = type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
     uint64_t bytes = count * sizeof(T);
-    bool texels = isTexelBinding(index, bvhWidth_);
-    uint64_t limit = texels ? uint64_t(gpu_.physical().texelElements) * sizeof(T) : gpu_.physical().bufferRange;
+    uint64_t limit = texels ? uint64_t(gpu_.physical().texelElements) * ELEMENT : gpu_.physical().bufferRange;
     if (bytes > limit)
         throw InputError("scene", std::string(what) + " of " + mebibytes(bytes),
                          gpu_.physical().name + " takes at most " + mebibytes(limit) + " of them; use another device");
-    VkBufferUsageFlags usage = texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    VkBufferUsageFlags usage = texels                                       ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
+                               : type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT
+                                                                            : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     buffers_[index] = gpu_.filled(data, bytes, usage);
-    if (texels) views_[index] = view(buffers_[index], sizeof(T) == 16 ? VK_FORMAT_R32G32B32A32_UINT : VK_FORMAT_R32_UINT);
+    if (texels) views_[index] = view(buffers_[index], FORMAT);
 }
 
 GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress)
@@ -48,7 +59,7 @@ GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t qualit
     std::vector<Instance> instances = scene_->instances;
     for (Instance& instance : instances) instance.root = bvh.meshRoots[instance.mesh];
     try {
-        putArrays(std::move(instances), bvhWidth_ == 4);
+        putArrays(std::move(instances));
         put(binding::BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
         put(binding::BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
     } catch (...) {
@@ -62,11 +73,11 @@ GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress&
     : gpu_(gpu), scene_(std::move(scene)) {
     double begin = now();
     report(progress, "uploading the scene", 0.0);
-    putArrays(scene_->instances, false);
+    putArrays(scene_->instances);
     uploadSeconds_ = now() - begin;
 }
 
-void GpuScene::putArrays(std::vector<Instance> instances, bool fetchedTexels) {
+void GpuScene::putArrays(std::vector<Instance> instances) {
     const Scene& s = *scene_;
     put(binding::POSITIONS, "vertices", s.positions.data(), s.positions.size());
     put(binding::ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
@@ -78,9 +89,7 @@ void GpuScene::putArrays(std::vector<Instance> instances, bool fetchedTexels) {
     put(binding::TEXTURES, "textures", s.textures.data(), s.textures.size());
     put(binding::IMAGES, "images", s.images.data(), s.images.size());
     put(binding::IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
-    // CPU-type devices fetch texels through a texel buffer, which may be larger than a storage buffer.
-    put(fetchedTexels ? binding::TEXEL_FETCH : binding::TEXELS, "images' texels", s.texels.data(), s.texels.size());
-    put(fetchedTexels ? binding::TEXELS : binding::TEXEL_FETCH, "", s.texels.data(), 0);
+    put(binding::TEXELS, "images' texels", s.texels.data(), s.texels.size());
     put(binding::LIGHTS, "lights", s.lights.data(), s.lights.size());
     put(binding::ENVIRONMENT, "environment", &s.environment, 1);
     put(binding::SOBOL, "sample points", sobolTable().data(), sobolTable().size());
@@ -109,7 +118,7 @@ void GpuScene::bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const {
     write.dstSet = set;
     write.dstBinding = binding::FRAME;
     write.descriptorCount = 1;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     write.pBufferInfo = &info;
     vkUpdateDescriptorSets(gpu_.handle(), 1, &write, 0, nullptr);
 }
@@ -118,18 +127,14 @@ void GpuScene::bindUpTo(VkDescriptorSet set, uint32_t last) const {
     VkDescriptorBufferInfo infos[binding::COUNT];
     std::vector<VkWriteDescriptorSet> writes;
     for (uint32_t i = binding::POSITIONS; i <= last; i++) {
-        if (i == binding::UNUSED) continue;
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set;
         write.dstBinding = i;
         write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        write.descriptorType = descriptorType(i, bvhWidth_);
         infos[i] = {buffers_[i].handle(), 0, VK_WHOLE_SIZE};
         write.pBufferInfo = &infos[i];
-        if (isTexelBinding(i, bvhWidth_)) {
-            write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-            write.pTexelBufferView = &views_[i];
-        }
+        write.pTexelBufferView = &views_[i];
         writes.push_back(write);
     }
     vkUpdateDescriptorSets(gpu_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);

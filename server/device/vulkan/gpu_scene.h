@@ -11,9 +11,8 @@ namespace heliograph {
 /// Bindings of shaders/kernel/buffers.glsl, device.glsl and trace.comp.
 namespace binding {
 constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIANGLES = 4, MESHES = 5, INSTANCES = 6, MATERIALS = 7,
-                   TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13,
-                   UNUSED = 14, SOBOL = 15, BVH_NODES = 16, BVH_TRIANGLES = 17, TEXEL_FETCH = 18, TILES = 19, SUMS = 20,
-                   COUNTS = 21, COUNT = 22;
+                   TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13, SOBOL = 14,
+                   BVH_NODES = 15, BVH_TRIANGLES = 16, TILES = 17, SUMS = 18, COUNTS = 19, COUNT = 20;
 }
 
 class GpuScene {
@@ -28,22 +27,22 @@ public:
     GpuScene& operator=(const GpuScene&) = delete;
 
     const Scene& scene() const { return *scene_; }
-    /// Children of a tree node: 4 on CPU-type devices, which read texel buffers faster, else 2.
+    /// Children of a tree node: 4 on CPU-type devices, which read all arrays through texel buffers, else 2.
     uint32_t bvhWidth() const { return bvhWidth_; }
     uint32_t stackDepth() const { return stackDepth_; }
     double buildSeconds() const { return buildSeconds_; }
     double uploadSeconds() const { return uploadSeconds_; }
     /// Writes the scene's bindings of a set.
-    void bind(VkDescriptorSet set) const { bindUpTo(set, binding::TEXEL_FETCH); }
+    void bind(VkDescriptorSet set) const { bindUpTo(set, binding::BVH_TRIANGLES); }
     /// Writes the kernel's bindings alone, `frame` with them.
     void bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const;
 
     static uint32_t widthFor(const PhysicalDevice& physical) { return physical.isCpu() ? 4 : 2; }
-    /// Whether binding `index` of a set for trees of `width` is a texel buffer.
-    static bool isTexelBinding(uint32_t index, uint32_t width);
+    /// What binding `index` of a set is for trees of `width`.
+    static VkDescriptorType descriptorType(uint32_t index, uint32_t width);
 
 private:
-    void putArrays(std::vector<Instance> instances, bool fetchedTexels);
+    void putArrays(std::vector<Instance> instances);
     void dropViews();
     void bindUpTo(VkDescriptorSet set, uint32_t last) const;
     template <typename T>

@@ -27,7 +27,7 @@ class RasterDevice : public Device {
 public:
     RasterDevice(const std::string& which, const VulkanOptions& options)
         : context_(vulkanContext(options)), gpu_(context_, withGraphics(context_->find(which))), pipelines_(gpu_),
-          frame_(gpu_, sizeof(FrameConstants), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, Memory::upload) {}
+          frame_(gpu_, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {}
 
     ~RasterDevice() override { vkDeviceWaitIdle(gpu_.handle()); }
 

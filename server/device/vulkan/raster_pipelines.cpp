@@ -68,7 +68,12 @@ void RasterPipelines::makePass() {
 
 void RasterPipelines::makeLayout() {
     VkDescriptorSetLayoutBinding bindings[BINDINGS];
-    for (uint32_t i = 0; i < BINDINGS; i++) bindings[i] = {i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, STAGES, nullptr};
+    VkDescriptorPoolSize sizes[BINDINGS];
+    for (uint32_t i = 0; i < BINDINGS; i++) {
+        VkDescriptorType type = GpuScene::descriptorType(i, 2);
+        bindings[i] = {i, type, 1, STAGES, nullptr};
+        sizes[i] = {type, 1};
+    }
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = BINDINGS;
     set.pBindings = bindings;
@@ -80,11 +85,10 @@ void RasterPipelines::makeLayout() {
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &constants;
     check(vkCreatePipelineLayout(gpu_.handle(), &layout, nullptr, &layout_), "lay out a pipeline");
-    VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, BINDINGS};
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.maxSets = 1;
-    pool.poolSizeCount = 1;
-    pool.pPoolSizes = &size;
+    pool.poolSizeCount = BINDINGS;
+    pool.pPoolSizes = sizes;
     check(vkCreateDescriptorPool(gpu_.handle(), &pool, nullptr, &pool_), "make a descriptor pool");
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_, 1, &setLayout_};
     check(vkAllocateDescriptorSets(gpu_.handle(), &allocate, &set_), "make a descriptor set");

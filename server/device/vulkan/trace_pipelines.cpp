@@ -29,12 +29,11 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
 
 TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint32_t> other) : gpu_(gpu) {
     VkDescriptorSetLayoutBinding bindings[binding::COUNT];
-    uint32_t texels = 0;
+    std::vector<VkDescriptorPoolSize> sizes;
     for (uint32_t i = 0; i < binding::COUNT; i++) {
-        bool texel = GpuScene::isTexelBinding(i, bvhWidth);
-        texels += texel;
-        bindings[i] = {i, texel ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
-                       VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+        VkDescriptorType type = GpuScene::descriptorType(i, bvhWidth);
+        bindings[i] = {i, type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+        sizes.push_back({type, SETS});
     }
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = binding::COUNT;
@@ -47,13 +46,11 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &constants;
     check(vkCreatePipelineLayout(gpu.handle(), &layout, nullptr, &layout_), "lay out a pipeline");
-    VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, SETS * (binding::COUNT - texels)},
-                                    {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, SETS * texels}};
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
     pool.maxSets = SETS;
-    pool.poolSizeCount = texels > 0 ? 2 : 1;
-    pool.pPoolSizes = sizes;
+    pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
+    pool.pPoolSizes = sizes.data();
     check(vkCreateDescriptorPool(gpu.handle(), &pool, nullptr, &pool_), "make a descriptor pool");
     if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4 : shaders::traceWide2;
     std::vector<uint32_t> code = withoutContraction(other);
