@@ -15,6 +15,7 @@ export interface Diagnostics {
     readonly width: number;
     readonly height: number;
     readonly final: boolean;
+    readonly devices: readonly string[]; // that took part
   } | null;
   readonly lastInputId: number;
   readonly framesPresented: number;
@@ -50,6 +51,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
               width: frame.width,
               height: frame.height,
               final: frame.final,
+              devices: [...frame.devices],
             },
       lastInputId: state.lastInputId,
       framesPresented: state.framesPresented,

@@ -12,7 +12,7 @@ export const MIME_TYPES: Readonly<Record<Codec, string>> = {
   png: 'image/png',
   exr: 'image/x-exr',
 };
-const DEVICE_BITS: readonly string[] = ['embree', 'vulkan', 'remote'];
+const DEVICE_BITS: readonly string[] = ['embree', 'vulkan', 'raster', 'remote'];
 
 export interface Frame {
   readonly kind: 'frame' | 'picture';

@@ -53,7 +53,7 @@ test('parseFrame: reads every field', () => {
     encodeMs: 3,
     queueMs: 0.7,
     sendMs: 0.25,
-    devices: ['embree', 'remote'],
+    devices: ['embree', 'raster'],
   });
   assert.deepEqual([...payload], [0xff, 0xd8]);
 });

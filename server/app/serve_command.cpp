@@ -27,7 +27,7 @@ constexpr auto SHUTDOWN_LIMIT = 700ms;
 struct ServeOptions {
     std::string scene = "courtyard";
     std::string listen = "127.0.0.1:8080";
-    std::string devices = "auto";
+    std::vector<std::string> devices;
     std::string environment;
     std::string tokenFile;
     bool insecure = false;
@@ -113,7 +113,6 @@ SocketOptions socketOptions(const ServeOptions& options) {
 ServiceOptions serviceOptions(const ServeOptions& options) {
     ServiceOptions service;
     for (const std::string& setting : options.settings) service.defaults.setFromText(setting);
-    service.defaults.set("device", options.devices);
     service.scenes = sceneRecipes();
     auto recipe = std::find_if(service.scenes.begin(), service.scenes.end(), [&](const SceneRecipe& r) { return r.name == options.scene; });
     std::string file, fileName;
@@ -127,7 +126,10 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     service.openScene = [=](const std::string& name, const Progress& progress) {
         return openScene(!file.empty() && name == fileName ? file : name, options.environment, progress);
     };
-    service.makeDevice = [settings = service.defaults] { return makeDevice(settings); };
+    service.devices = deviceOffer(options.devices);
+    std::string device = Settings::choiceWord("device", service.defaults.device);
+    if (std::ranges::find(service.devices.words, device) == service.devices.words.end())
+        throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");
     service.socket = socketOptions(options);
     return service;
 }
@@ -174,9 +176,11 @@ void addServeCommand(CLI::App& app, std::function<int()>& run) {
                         "--token-file or --insecure")
         ->type_name("HOST:PORT")
         ->capture_default_str();
-    command->add_option("--devices", options->devices, "What renders: auto or embree (the CPU)")
-        ->check(CLI::IsMember({"auto", "embree"}))
-        ->capture_default_str();
+    command->add_option("--devices", options->devices,
+                        "What viewers may render with: auto for all that is here, or names of the setting device below\n"
+                        "with commas between, the first of which is where they start")
+        ->delimiter(',')
+        ->type_name("auto|LIST");
     command->add_option("--environment", options->environment,
                         "Lat-long image (HDR, EXR, JPG, PNG) that surrounds every scene instead of its own surroundings");
     command->add_option("--set", options->settings, "What viewers start with; may be given several times")

@@ -17,7 +17,9 @@ constexpr auto TICK = 100ms;
 
 Service::Service(ServiceOptions options)
     : options_(std::move(options)),
-      cache_(options_.openScene, options_.makeDevice, options_.defaults),
+      cache_(options_.openScene,
+             [this] { return makeDeviceSwitch(options_.devices, [this](const std::string& what) { tellEverybody(what); }); },
+             options_.defaults),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }) {}
 
@@ -93,6 +95,16 @@ void Service::refused(const std::string& why) {
 
 std::string Service::metricsText() {
     return metrics_.text(viewerCount(), cache_.residentCount(), residentBytes());
+}
+
+/// A device that is set aside is no fault of the viewers, but they should know why frames look or last different.
+void Service::tellEverybody(const std::string& what) {
+    std::vector<std::shared_ptr<Session>> sessions;
+    {
+        std::lock_guard lock(mutex_);
+        sessions = sessions_;
+    }
+    for (const auto& session : sessions) session->notice(what);
 }
 
 /// Statistics and time limits of all viewers, and the end of those who have gone.

@@ -3,6 +3,7 @@
 
 #include "server/app/scene_cache.h"
 #include "server/net/socket_server.h"
+#include "server/render/device_switch.h"
 
 namespace heliograph {
 
@@ -10,7 +11,7 @@ struct ServiceOptions {
     SocketOptions socket;
     std::vector<SceneRecipe> scenes;  // on offer; the first is where viewers start
     SceneCache::Opener openScene;
-    SceneCache::DeviceFactory makeDevice;
+    DeviceOffer devices;              // viewers choose between them
     Settings defaults;                // of every viewer
     /// Pixels of all viewers' pictures together. A film takes 48 bytes a pixel and a viewer has two: 9 GiB for three
     /// viewers at 7680x4320.
@@ -32,6 +33,7 @@ public:
 private:
     // SessionHost
     std::vector<SceneRecipe> scenes() const override { return options_.scenes; }
+    std::vector<std::string> devices() const override { return options_.devices.words; }
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
     bool grantPixels(uint32_t viewer, uint64_t pixels) override;
     size_t viewerCount() const override;
@@ -45,6 +47,7 @@ private:
     bool ready() override { return cache_.residentCount() > 0; }
 
     void attend(std::stop_token stop);
+    void tellEverybody(const std::string& what);
 
     const ServiceOptions options_;
     Turns turns_;

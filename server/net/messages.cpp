@@ -26,11 +26,15 @@ double finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
 }  // namespace
 
-std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes) {
+std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices) {
+    json schema = settingsSchema();
+    for (json& row : schema) {
+        if (row["name"] == "device") row["choices"] = devices;
+    }
     json offered = json::array();
     for (const SceneRecipe& scene : scenes) offered.push_back({{"name", scene.name}, {"description", scene.description}});
     return text({{"type", "hello"}, {"protocol", PROTOCOL_NAME}, {"server", HELIOGRAPH_VERSION}, {"viewer", viewer},
-                 {"schema", settingsSchema()}, {"scenes", offered}, {"maxUnacked", MAX_UNACKED}});
+                 {"schema", schema}, {"scenes", offered}, {"maxUnacked", MAX_UNACKED}});
 }
 
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share) {

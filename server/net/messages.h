@@ -12,7 +12,7 @@ namespace heliograph {
 
 /// Figures of one viewer over about the last half second. Milliseconds are means per frame sent.
 struct ViewerStats {
-    std::string device;
+    std::string device;  // that made the last frame
     double framesPerSecond = 0.0;
     uint32_t samples = 0;
     uint32_t targetSamples = 0;
@@ -28,7 +28,8 @@ struct ViewerStats {
     uint64_t nonfiniteSamples = 0;
 };
 
-std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes);
+/// `devices`: the words of the setting `device` that the schema shall offer.
+std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices);
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share);
 std::string sceneReadyMessage(const std::string& name, const Scene& scene);
 std::string sceneFailedMessage(const std::string& name, const std::string& why);

@@ -61,11 +61,12 @@ void Session::begin() {
 
 void Session::welcome() {
     std::vector<SceneRecipe> scenes = host_.scenes();
+    std::vector<std::string> devices = host_.devices();
     {
         std::lock_guard lock(mutex_);
         authorized_ = true;
         statsAt_ = Clock::now();
-        socket_->sendText(helloMessage(viewer_, scenes));
+        socket_->sendText(helloMessage(viewer_, scenes, devices));
         socket_->sendText(settingsMessage(request_.settings.toJson(), std::nullopt));
     }
     if (!scenes.empty()) openScene(scenes.front().name);
@@ -105,12 +106,19 @@ void Session::handle(const CameraMessage& message) {
 }
 
 void Session::handle(const SettingsMessage& message) {
+    const std::vector<std::string> devices = host_.devices();
     std::lock_guard lock(mutex_);
     Settings settings = request_.settings;
     for (const auto& [name, value] : message.values.items()) {
         if (name == "fieldOfView") throw InputError("settings.fieldOfView", "a setting of commands", "the field of `camera`");
         if (name == "cameraPath") throw InputError("settings.cameraPath", "a setting of commands", "the message `path`");
         settings.set(name, value);
+    }
+    std::string device = Settings::choiceWord("device", settings.device);
+    if (message.values.contains("device") && std::ranges::find(devices, device) == devices.end()) {
+        std::string words;
+        for (const std::string& word : devices) words += (words.empty() ? "one of " : " ") + word;
+        throw InputError("settings.device", device + " is not here", words);
     }
     request_.settings = settings;
     request_.inputId = message.inputId;
@@ -352,10 +360,15 @@ void Session::tick(Clock::time_point now) {
     if (now - statsAt_ < STATS_EVERY || !scene_) return;
     ViewerStats stats = stats_.take(std::chrono::duration<double>(now - statsAt_).count(), loop_.used());
     statsAt_ = now;
-    stats.device = scene_->device->info().name;
+    if (stats.device.empty()) stats.device = scene_->device->info().name;
     stats.viewers = viewers;
     stats.residentBytes = residentBytes();
     socket_->sendText(statsMessage(stats));
+}
+
+void Session::notice(const std::string& what) {
+    std::lock_guard lock(mutex_);
+    if (authorized_ && !ended_) socket_->sendText(noticeMessage(what));
 }
 
 void Session::end() {

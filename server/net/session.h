@@ -26,6 +26,8 @@ public:
     virtual ~SessionHost() = default;
     /// The scenes on offer; the first is where a viewer starts.
     virtual std::vector<SceneRecipe> scenes() const = 0;
+    /// Words of the setting `device` that a viewer may choose.
+    virtual std::vector<std::string> devices() const = 0;
     /// Opens one of them in the background. After the returned ticket is gone the listener is not called any more (a call
     /// in progress may still end). Throws InputError when no further scene fits.
     virtual std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) = 0;
@@ -56,6 +58,8 @@ public:
     void written(FrameKind kind, double waitSeconds, double writeSeconds) override;
     /// To be called some times a second: statistics, limits of time.
     void tick(Clock::time_point now);
+    /// Tells the viewer something in one line.
+    void notice(const std::string& what);
     /// The viewer has gone: ends all work without waiting.
     void end();
 

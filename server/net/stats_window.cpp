@@ -17,7 +17,11 @@ void StatsWindow::framePublished(const Published& frame) {
     last_.targetSamples = frame.targetSamples;
     last_.relativeError = frame.costs.relativeError;
     if (frame.figures.passes > 0) last_.rays = frame.figures.lastRays;
-    for (const auto& [device, count] : frame.figures.tiles) last_.tiles[device] += count;
+    if (!frame.figures.tiles.empty()) last_.device.clear();
+    for (const auto& [device, count] : frame.figures.tiles) {
+        last_.tiles[device] += count;
+        last_.device += (last_.device.empty() ? "" : " + ") + device;
+    }
     last_.nonfiniteSamples += frame.figures.nonfiniteSamples;
 }
 

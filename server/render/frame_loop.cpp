@@ -16,7 +16,8 @@ double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::s
 uint32_t deviceBit(const std::string& device) {
     if (device.starts_with("embree")) return 1;
     if (device.starts_with("vulkan")) return 2;
-    return 4;
+    if (device.starts_with("raster")) return 4;
+    return 8;
 }
 
 }  // namespace
@@ -184,6 +185,7 @@ void FrameLoop::startFilm() {
     view_ = wish_;
     samples_ = 0;
     delivered_ = {};
+    figures_.devices = 0;  // what a pass that was given up left behind is not in this film
 }
 
 /// Hands the film over if that is due and the receiver takes it.
@@ -218,6 +220,7 @@ bool FrameLoop::deliver() {
 void FrameLoop::renderFilm() {
     uint32_t first = samples_;
     std::stop_token cancelled = beginPass(*view_, first, true);
+    resident_->device->prepare(view_->settings);  // others go on rendering meanwhile
     std::optional<Turns::Turn> turn = turns_.take(account_, cancelled);
     if (!turn) return endPass(false);
     if (first == 0) {
@@ -310,7 +313,7 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
     request.resolution = film.resolution();
     request.generation = film.generation();
     const std::vector<Tile> tiles = film.tilesFor(firstSample, 1, tileSize(view.settings));
-    const uint32_t workers = resident_->device->info().workers;
+    const uint32_t workers = resident_->device->infoFor(view.settings).workers;
 
     figures.lastRays = {};
     figures.lastPassSeconds = 0.0;
@@ -332,7 +335,7 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
     }
     figures.passes++;
     if (film.completedSamples() <= firstSample) {
-        throw std::runtime_error("device " + resident_->device->info().name + " left out tiles of a pass");
+        throw std::runtime_error("device " + resident_->device->infoFor(view.settings).name + " left out tiles of a pass");
     }
     return true;
 }

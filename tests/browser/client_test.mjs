@@ -136,6 +136,25 @@ async function settingChecks() {
     await error.scrollIntoViewIfNeeded();
     await screenshot('refused');
   });
+  await checks.check('every device that is offered makes the picture', async () => {
+    const group = page.locator('summary', { hasText: 'Renderer' });
+    const select = field('device').locator('select');
+    await group.click();
+    const offered = await select.locator('option').allTextContents();
+    expect(offered.includes('embree'), `offered: ${offered.join(' ')}`);
+    const before = await picture(page);
+    for (const device of [...offered.filter((name) => name.includes(':') || name === 'raster'), 'embree', 'auto']) {
+      await select.selectOption(device);
+      await until(`a picture by ${device}`, 60_000, async () => {
+        const { lastFrame, lastInputId, settings } = await state();
+        const made = device === 'auto' ? lastFrame.devices.length === 1 : lastFrame.devices.join() === device.split(':')[0];
+        return settings.device === device && lastFrame.inputId === lastInputId && made;
+      });
+      if (device === 'raster') await screenshot('raster');
+      else expect(difference(before, await picture(page)) < 6, `the picture by ${device} is another one`);
+    }
+    await group.click();
+  });
   await checks.check('a switch works by keyboard', async () => {
     const { settings } = await state();
     await field('shadows').locator('input').focus();

@@ -41,7 +41,9 @@ ServiceOptions options() {
     o.socket.files["/"] = {"text/html", "hello"};
     o.scenes = {{"first", "one"}, {"second", "two"}, {"bad", "three"}};
     o.defaults.samples = 1;
-    o.makeDevice = [] { return std::make_unique<GreyDevice>(); };
+    o.devices.words = {"auto", "embree"};
+    o.devices.nameOf = [](const Settings&) { return "embree"; };
+    o.devices.make = [](const std::string&, DeviceNotice) { return std::make_unique<GreyDevice>(); };
     o.openScene = [](const std::string& name, const Progress&) {
         if (name == "bad") throw InputError("bad", "cannot be read", "another");
         auto scene = std::make_shared<Scene>();

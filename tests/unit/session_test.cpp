@@ -57,6 +57,7 @@ public:
         return std::make_shared<int>(0);
     }
     bool grantPixels(uint32_t, uint64_t pixels) override { return pixels <= pixelLimit; }
+    std::vector<std::string> devices() const override { return {"auto", "embree", "raster"}; }
     size_t viewerCount() const override { return 3; }
     Turns& turns() override { return turns_; }
     Metrics& metrics() override { return metrics_; }
@@ -235,6 +236,30 @@ TEST(Session, SettingsAreTakenAllOrNone) {
         line.say({{"type", "settings"}, {"inputId", 8}, {"values", {{name, 50}}}});
         EXPECT_THAT(line.socket->last("error")["message"], HasSubstr(name));
     }
+}
+
+TEST(Session, OffersAndTakesOnlyDevicesThatAreHere) {
+    Line line;
+    line.session->begin();
+    json schema = line.socket->last("hello")["schema"];
+    auto row = std::find_if(schema.begin(), schema.end(), [](const json& r) { return r["name"] == "device"; });
+    ASSERT_NE(row, schema.end());
+    EXPECT_EQ((*row)["choices"], json({"auto", "embree", "raster"}));
+    line.say({{"type", "settings"}, {"inputId", 2}, {"values", {{"device", "vulkan:3"}, {"samples", 5}}}});
+    EXPECT_EQ(line.socket->last("error")["message"],
+              "settings.device: vulkan:3 is not here; allowed: one of auto embree raster");
+    line.say({{"type", "settings"}, {"inputId", 3}, {"values", {{"device", "raster"}}}});
+    EXPECT_EQ(line.socket->last("settings")["values"]["device"], "raster");
+    EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 1) << "the refused message changed something";
+}
+
+TEST(Session, NoticesReachTheViewer) {
+    Line line;
+    line.session->notice("too early");
+    EXPECT_TRUE(line.socket->last("notice").is_null());
+    line.session->begin();
+    line.session->notice("a device was set aside");
+    EXPECT_EQ(line.socket->last("notice")["text"], "a device was set aside");
 }
 
 TEST(Session, FaultsAreAnsweredAndNothingElseHappens) {
