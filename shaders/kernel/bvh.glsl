@@ -30,6 +30,8 @@ vec3 inverseDirection(vec3 d) {
 
 #if BVH_WIDTH == 2
 
+#define BVH_NEXT ref = stack[--top];
+
 // Goes from node `ref` to its closer child and leaves the other on the stack.
 #define BVH_DESCEND                                                                                                    \
     {                                                                                                                  \
@@ -53,7 +55,7 @@ vec3 inverseDirection(vec3 d) {
         } else if (intoA || intoB) {                                                                                   \
             ref = intoA ? children.x : children.y;                                                                     \
         } else {                                                                                                       \
-            ref = stack[--top];                                                                                        \
+            BVH_NEXT                                                                                                   \
         }                                                                                                              \
     }
 
@@ -63,14 +65,24 @@ vec4 unpackBytes(uint word) {
     return vec4(float(word & 255u), float((word >> 8) & 255u), float((word >> 16) & 255u), float(word >> 24));
 }
 
-#define BVH_ORDER(i, j)                                                                                                \
-    if (enter[j] < enter[i]) {                                                                                         \
-        float t_ = enter[i];                                                                                           \
-        enter[i] = enter[j];                                                                                           \
-        enter[j] = t_;                                                                                                 \
-        uint r_ = children[i];                                                                                         \
-        children[i] = children[j];                                                                                     \
-        children[j] = r_;                                                                                              \
+// The children of a node that wait are one entry: node << 8 | up to three child numbers, nearest first | how many. Devices
+// that run one program on several rays at a time store to a stack ray by ray, so an entry a node is cheaper than one a child.
+const uint GROUP_SPECIAL = 0xfffffffeu;  // BVH_LEAVE and BVH_END stand on the stack as they are
+
+uvec2 smallerFirst(uint a, uint b) { return uvec2(min(a, b), max(a, b)); }
+
+uint childOf(uvec4 children, uint number) {
+    return number < 2u ? (number == 0u ? children.x : children.y) : (number == 2u ? children.z : children.w);
+}
+
+// The next child that waits: of the group at hand, else of the one on top of the stack.
+#define BVH_NEXT                                                                                                       \
+    {                                                                                                                  \
+        if ((group & 3u) == 0u) group = stack[--top];                                                                  \
+        bool special_ = group >= GROUP_SPECIAL;                                                                        \
+        uvec4 waiting_ = BVH_NODE(special_ ? 3u : (group >> 8) * 4u + 3u);                                             \
+        ref = special_ ? group : childOf(waiting_, (group >> 2) & 3u);                                                 \
+        group = special_ ? 0u : (group & 0xffffff00u) | ((group >> 2) & 0x3cu) | ((group & 3u) - 1u);                  \
     }
 
 #define BVH_DESCEND                                                                                                    \
@@ -90,15 +102,23 @@ vec4 unpackBytes(uint word) {
         vec4 enter = max(max(min(x0, x1), min(y0, y1)), max(min(z0, z1), vec4(0.0f)));                                 \
         vec4 leave = min(min(max(x0, x1), max(y0, y1)), max(z0, z1)) * BVH_PADDING;                                    \
         leave = min(leave, vec4(closest));                                                                             \
-        enter.x = enter.x <= leave.x ? enter.x : 3.402823466e38f;                                                      \
-        enter.y = enter.y <= leave.y ? enter.y : 3.402823466e38f;                                                      \
-        enter.z = enter.z <= leave.z ? enter.z : 3.402823466e38f;                                                      \
-        enter.w = enter.w <= leave.w ? enter.w : 3.402823466e38f;                                                      \
-        BVH_ORDER(0, 1) BVH_ORDER(2, 3) BVH_ORDER(0, 2) BVH_ORDER(1, 3) BVH_ORDER(1, 2)                                \
-        if (enter.w < 3.0e38f) stack[top++] = children.w;                                                              \
-        if (enter.z < 3.0e38f) stack[top++] = children.z;                                                              \
-        if (enter.y < 3.0e38f) stack[top++] = children.y;                                                              \
-        ref = enter.x < 3.0e38f ? children.x : stack[--top];                                                           \
+        /* Distances are not negative, so their bits sort as they do; the lowest two make room for the child's number. */ \
+        uvec4 keys = (floatBitsToUint(enter) & 0xfffffffcu) | uvec4(0u, 1u, 2u, 3u);                                   \
+        keys = mix(uvec4(0xfffffffcu), keys, lessThanEqual(enter, leave));                                             \
+        uint count = uint(enter.x <= leave.x) + uint(enter.y <= leave.y) + uint(enter.z <= leave.z) +                  \
+                     uint(enter.w <= leave.w);                                                                         \
+        uvec2 xy = smallerFirst(keys.x, keys.y);                                                                       \
+        uvec2 zw = smallerFirst(keys.z, keys.w);                                                                       \
+        uvec2 xz = smallerFirst(xy.x, zw.x);                                                                           \
+        uvec2 yw = smallerFirst(xy.y, zw.y);                                                                           \
+        uvec2 yz = smallerFirst(xz.y, yw.x);                                                                           \
+        if (count == 0u) {                                                                                             \
+            BVH_NEXT                                                                                                   \
+        } else {                                                                                                       \
+            if ((group & 3u) != 0u) stack[top++] = group;                                                              \
+            group = ref << 8 | (yw.y & 3u) << 6 | (yz.y & 3u) << 4 | (yz.x & 3u) << 2 | (count - 1u);                  \
+            ref = childOf(children, xz.x & 3u);                                                                        \
+        }                                                                                                              \
     }
 
 #endif
@@ -118,6 +138,7 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit 
     RayFrame frame = rayFrame(origin, direction);
     uint inside = NO_INDEX;  // instance whose tree is walked
     uint ref = 0u;
+    uint group = 0u;  // children of the last node that wait (width 4)
     for (;;) {
         while (ref < BVH_TRIANGLES) BVH_DESCEND
         if (ref == BVH_END) break;
@@ -127,7 +148,7 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit 
             if (ref == BVH_LEAVE) {
                 inside = NO_INDEX;
                 start = origin;
-                ref = stack[--top];
+                BVH_NEXT
             } else {
                 inside = ref & 0x3fffffffu;
                 vec4 r0 = INSTANCE(inside, toObject0);
@@ -135,6 +156,8 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit 
                 vec4 r2 = INSTANCE(inside, toObject2);
                 start = vec3(dot(r0.xyz, origin) + r0.w, dot(r1.xyz, origin) + r1.w, dot(r2.xyz, origin) + r2.w);
                 d = vec3(dot(r0.xyz, direction), dot(r1.xyz, direction), dot(r2.xyz, direction));
+                if ((group & 3u) != 0u) stack[top++] = group;
+                group = 0u;
                 stack[top++] = BVH_LEAVE;
                 ref = INSTANCE(inside, root);
             }
@@ -165,7 +188,7 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit 
             closest = t;
             hit = candidate;
         }
-        ref = stack[--top];
+        BVH_NEXT
     }
     return found;
 }

@@ -145,12 +145,14 @@ Bvh buildBvh(const Scene& scene, const BvhOptions& options, const Progress& prog
         nodes += part.layout.nodes();
         triangles += part.layout.triangles();
     }
+    if (options.width == 4 && nodes >= MAX_WIDE_NODES)
+        throw InputError("scene", std::to_string(nodes) + " nodes of the tree", "fewer than " + std::to_string(MAX_WIDE_NODES));
     bvh.nodes = Words16(nodes * WORDS16_PER_NODE);
     bvh.triangles = Words16(triangles * WORDS16_PER_TRIANGLE);
     for (size_t i = 0; i < parts.size(); i++)
         parts[i].layout.emit(scene, parts[i].mesh, bvh, begins[i].first, begins[i].second);
-    // A node leaves at most width - 1 entries behind; beside them the end mark and, inside an instance, the way out.
-    bvh.stackDepth = static_cast<uint32_t>((options.width - 1) * (parts[0].layout.depth() + meshDepth) + 2 + 1);
+    // A node leaves at most one entry behind; beside them the end mark and, inside an instance, the way out.
+    bvh.stackDepth = static_cast<uint32_t>(parts[0].layout.depth() + meshDepth + 2 + 1);
     return bvh;
 }
 

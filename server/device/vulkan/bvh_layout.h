@@ -14,6 +14,7 @@ constexpr uint32_t REF_INSTANCE = 0xc0000000u;   // | instance
 constexpr uint32_t REF_EMPTY = REF_TRIANGLES;    // a leaf of no triangles
 constexpr uint32_t MAX_LEAF = 7;
 constexpr uint64_t MAX_TRIANGLES = 1u << 27;
+constexpr uint64_t MAX_WIDE_NODES = (1u << 24) - 1;  // of trees of four: what waits names its node in 24 bits
 
 constexpr uint32_t WORDS16_PER_NODE = 4;      // 64 bytes
 constexpr uint32_t WORDS16_PER_TRIANGLE = 3;  // corners; beside them: primitive, instance or NO_INDEX, OPACITY_*
