@@ -64,7 +64,7 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     std::string automatic = gpu != devices.end() ? best : "embree";
     for (const std::string& word : only) {
         if (std::ranges::find(offer.words, word) == offer.words.end())
-            throw InputError("--devices", word + " is not here", "of " + joined(offer.words) + " (see heliograph devices)");
+            throw InputError("--devices", word + " is not here", "a list of " + joined(offer.words) + " (see heliograph devices)");
     }
     if (!only.empty() && only.front() != "auto") automatic = only.front() == "vulkan" ? best : only.front();
     if (std::ranges::find(only, "auto") == only.end() && !only.empty()) {

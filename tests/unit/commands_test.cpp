@@ -86,7 +86,7 @@ protected:
 TEST_F(CommandsTest, HelpIsNoError) {
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"--help"}, {"render", "--help"}, {"inspect", "--help"}, {"bench", "--help"},
-          {"bench", "frames", "--help"}, {"bench", "devices", "--help"}, {"serve", "--help"}}) {
+          {"bench", "frames", "--help"}, {"bench", "devices", "--help"}, {"bench", "schedule", "--help"}, {"serve", "--help"}}) {
         Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.code, 0);
         EXPECT_THAT(outcome.out, HasSubstr("xample")) << arguments.front();
@@ -198,6 +198,15 @@ TEST_F(CommandsTest, BenchesAnswerInJson) {
     EXPECT_EQ(json["frame"]["embree"]["rays"]["primary"], 32 * 24);
     EXPECT_GT(json["raw"]["embree"]["primary"].get<double>(), 0.0);
     EXPECT_GT(json["frame"]["embree"]["overhead_ratio"].get<double>(), 0.0);
+    Outcome schedule = run({"bench", "schedule", "--scene", "cornell", "--size", "64x48", "--frames", "2", "--json"});
+    ASSERT_EQ(schedule.code, 0) << schedule.err;
+    json = ordered_json::parse(schedule.out);
+    EXPECT_EQ(keys(json), (std::vector<std::string>{"scenarios", "decision_us"}));
+    const ordered_json& scenario = json["scenarios"][0];
+    EXPECT_EQ(keys(scenario), (std::vector<std::string>{"name", "devices", "bound_ms", "policies"}));
+    EXPECT_EQ(keys(scenario["policies"]), (std::vector<std::string>{"ours", "equal_split", "proportional_split", "rayengine",
+                                                                    "shared_counter"}));
+    for (const auto& [name, policy] : scenario["policies"].items()) EXPECT_GE(policy["ratio"].get<double>(), 1.0) << name;
 }
 
 TEST_F(CommandsTest, InspectAnswersInJsonAndForPeople) {

@@ -87,11 +87,13 @@ const PhysicalDevice& VulkanContext::find(const std::string& which) const {
     std::string present;
     for (const PhysicalDevice& device : devices_)
         present += (present.empty() ? "" : ", ") + std::to_string(device.index) + " (" + device.name + ")";
+    const bool number = which.find_first_not_of("0123456789") == std::string::npos;  // names hold digits, too
     const PhysicalDevice* best = nullptr;
     for (const PhysicalDevice& device : devices_) {
         if (which.empty()) {
             if (device.refused.empty() && (!best || (best->isCpu() && !device.isCpu()))) best = &device;
-        } else if (which == std::to_string(device.index) || lower(device.name).find(lower(which)) != std::string::npos) {
+        } else if (number ? which == std::to_string(device.index)
+                          : lower(device.name).find(lower(which)) != std::string::npos) {
             if (!best) best = &device;
         }
     }
