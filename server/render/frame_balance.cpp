@@ -1,0 +1,369 @@
+#include "server/render/frame_balance.h"
+
+#include <algorithm>
+#include <cassert>
+#include <limits>
+
+namespace heliograph {
+
+namespace {
+
+constexpr double NEVER = std::numeric_limits<double>::infinity();
+constexpr uint32_t NOBODY = UINT32_MAX;
+/// Order of a heap with the soonest alarm on top.
+constexpr auto later = [](const auto& a, const auto& b) { return a.at > b.at; };
+/// Rounding to whole cells may pass the predicted end by this share of the frame.
+constexpr double OVERSHOOT = 0.005;
+/// A worker of unknown rate is measured on this share of the frame, divided by the number of workers.
+constexpr double PROBE_SHARE = 1.0 / 32.0;
+/// Nobody waits longer than this past a batch's due time while somebody else could make it (seconds).
+constexpr double STALL_LIMIT = 0.5;
+
+}  // namespace
+
+void FrameBalance::begin(std::span<const BalanceDevice> devices, std::span<const DevicePart> parts,
+                         std::span<const float> costs, double deviation, std::span<const uint32_t> order, double now) {
+    assert(devices.size() == parts.size() && costs.size() == order.size());
+    begin_ = now;
+    deviation_ = deviation;
+    workers_.clear();
+    askOrder_.clear();
+    for (uint32_t d = 0; d < devices.size(); d++) {
+        const BalanceDevice& device = devices[d];
+        Worker worker{d, device.rate, device.spread, device.batchSeconds, 0.5 * device.roundTrip, now};
+        if (parts[d].part == Part::parked) worker.state = State::parked;
+        if (parts[d].part == Part::probes) worker.state = device.rate > 0.0 ? State::samples : State::probes;
+        for (uint32_t i = 0; i < device.workers; i++) {
+            if (worker.state != State::parked) askOrder_.push_back(static_cast<uint32_t>(workers_.size()));
+            workers_.push_back(worker);
+        }
+    }
+    std::stable_sort(askOrder_.begin(), askOrder_.end(), [&](uint32_t a, uint32_t b) {
+        // Those that are only measured go first: the others then share what is left.
+        auto key = [&](const Worker& w) { return w.state == State::works ? w.rate : 0.0; };
+        return key(workers_[a]) < key(workers_[b]);
+    });
+    costs_.assign(costs.begin(), costs.end());
+    for (float& cost : costs_) cost = std::max(cost, std::numeric_limits<float>::min());
+    order_.assign(order.begin(), order.end());
+    original_ = order_.size();
+    prefix_.resize(original_ + 1);
+    prefix_[0] = 0.0;
+    for (size_t i = 0; i < original_; i++) prefix_[i + 1] = prefix_[i] + costs_[order_[i]];
+    delivered_.assign(original_, 0);
+    again_.assign(original_, 0);
+    batches_.clear();
+    alarms_.clear();
+    next_ = 0;
+    poolCost_ = prefix_.back();
+    undelivered_ = static_cast<uint32_t>(original_);
+    table_.reset(begin_, 0.0);
+    chooseAnchors();
+    for (Worker& worker : workers_) {
+        if (worker.state == State::works) count(worker, now);
+    }
+    guessRates(now);
+}
+
+/// Counts a worker from the time on at which it could deliver work beyond what it has in hand.
+/// `notBefore`: what is left until then is too short for a whole cell.
+void FrameBalance::count(Worker& worker, double now, double notBefore) {
+    drop(worker);
+    // With its hands full it asks again when the first result is here.
+    const double asks = worker.inHandCount == MOST_IN_HAND ? std::max(now, batches_[worker.inHand[0]].batch.due) : now;
+    worker.ready = std::max(worker.freeAt, asks + worker.half) + worker.batchSeconds + worker.half;
+    worker.ready = std::max(worker.ready, notBefore);
+    table_.add(worker.counted(), worker.ready);
+    worker.isCounted = true;
+}
+
+void FrameBalance::drop(Worker& worker) {
+    if (!worker.isCounted) return;
+    table_.remove(worker.counted(), worker.ready);
+    worker.isCounted = false;
+}
+
+double FrameBalance::predictedEnd(double now) {
+    double end = table_.end(poolCost_, now);
+    for (int i = 0; i < 2 && table_.tooShort(end) && end < NEVER; i++) {  // the first guess of the slots is rough
+        table_.reset(begin_, 2.0 * (end - begin_));
+        for (const Worker& worker : workers_) {
+            if (worker.isCounted) table_.add(worker.counted(), worker.ready);
+        }
+        end = table_.end(poolCost_, now);
+    }
+    return end;
+}
+
+void FrameBalance::chooseAnchors() {
+    anchor_ = second_ = NOBODY;
+    for (uint32_t w = 0; w < workers_.size(); w++) {
+        if (workers_[w].state != State::works) continue;
+        if (anchor_ == NOBODY || workers_[w].rate > workers_[anchor_].rate) {
+            second_ = anchor_;
+            anchor_ = w;
+        } else if (second_ == NOBODY || workers_[w].rate > workers_[second_].rate) {
+            second_ = w;
+        }
+    }
+}
+
+std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now) {
+    Worker& worker = workers_[index];
+    const bool able = worker.state != State::parked && worker.state != State::lost && worker.state != State::suspect;
+    if (!able || worker.inHandCount == MOST_IN_HAND) return {};
+    while (next_ >= original_ && next_ < order_.size() && !again_[order_[next_]]) next_++;
+    if (next_ == order_.size()) return {};
+    if (worker.state != State::works) {
+        if (worker.inHandCount > 0) return {};
+        return probe(index, now);
+    }
+    count(worker, now);
+    const double end = predictedEnd(now);
+    const double room = end - worker.ready;  // below 0: it would only just be ready when the rest is done
+    const double left = static_cast<double>(order_.size() - next_);
+    const BatchAnswer answer =
+        batchCost({room, worker.rate, worker.spread, worker.batchSeconds, poolCost_ / left, deviation_});
+    uint32_t last = endFor(worker, answer, room, OVERSHOOT * (end - begin_));
+    if (last == next_) {
+        if (index != anchor_) {
+            // It asks again when the result of what it has in hand is here, and then waits for a whole round trip.
+            if (worker.inHandCount == 0) drop(worker);
+            else count(worker, now, worker.freeAt + 3.0 * worker.half + worker.batchSeconds);
+            return {};
+        }
+        last = leastFor(worker);  // nobody would have it done sooner
+    }
+    const Batch batch = issue(index, last, now);
+    count(worker, now, answer.last ? end : 0.0);
+    return batch;
+}
+
+/// Where in order_ a batch of the wanted cost ends. Whole cells can't hit the predicted end exactly: a batch may pass
+/// it by `allowed` seconds if that is nearer, and a single cell by what the fastest worker takes for it: whoever takes
+/// it when nobody has room any more, the frame ends no sooner.
+uint32_t FrameBalance::endFor(const Worker& worker, const BatchAnswer& answer, double room, double allowed) const {
+    const double target = prefix_[next_] + std::max(0.0, answer.cost);
+    auto first = prefix_.begin() + static_cast<std::ptrdiff_t>(next_) + 1;
+    auto last = static_cast<uint32_t>(std::upper_bound(first, prefix_.end(), target) - prefix_.begin()) - 1;
+    if (last + 1 >= prefix_.size()) return last;
+    if (last == next_) allowed = std::max(allowed, (prefix_[last + 1] - prefix_[last]) / workers_[anchor_].rate);
+    const double over = prefix_[last + 1] - target, under = target - prefix_[last];
+    const double overEnd = (prefix_[last + 1] - prefix_[next_]) / worker.rate - room;
+    if (overEnd <= allowed && (over < under || last == next_)) last++;
+    return last;
+}
+
+/// Where the anchor's smallest batch ends: its work outweighs its fixed cost, and it holds a cell at least.
+uint32_t FrameBalance::leastFor(const Worker& worker) const {
+    auto first = prefix_.begin() + static_cast<std::ptrdiff_t>(next_) + 1;
+    auto above = std::upper_bound(first, prefix_.end(), prefix_[next_] + worker.rate * worker.batchSeconds);
+    return std::max(static_cast<uint32_t>(above - prefix_.begin()) - 1, static_cast<uint32_t>(next_) + 1);
+}
+
+/// Takes order_[next_, last) out of the pool; returns the predicted cost of what was still wanted there.
+double FrameBalance::take(uint32_t last) {
+    const size_t exact = std::clamp(original_, next_, static_cast<size_t>(last));
+    double cost = prefix_[exact] - prefix_[next_];
+    for (size_t i = exact; i < last; i++) {
+        if (again_[order_[i]]) cost += costs_[order_[i]];
+        again_[order_[i]] = 0;
+    }
+    next_ = last;
+    poolCost_ = next_ == order_.size() ? 0.0 : std::max(0.0, poolCost_ - cost);
+    return cost;
+}
+
+FrameBalance::Batch FrameBalance::issue(uint32_t index, uint32_t last, double now) {
+    Worker& worker = workers_[index];
+    Batch batch{static_cast<uint32_t>(batches_.size()), index, static_cast<uint32_t>(next_), last};
+    batch.cost = take(last);
+    batch.due = NEVER;
+    const double start = std::max(worker.freeAt, now + worker.half);
+    if (worker.rate > 0.0) {
+        batch.seconds = worker.batchSeconds + batch.cost / worker.rate;
+        worker.freeAt = start + batch.seconds;
+        batch.due = worker.freeAt + worker.half;
+    }
+    setAlarm(batch, now);
+    worker.inHand[worker.inHandCount++] = batch.id;
+    batches_.push_back({batch, start, now + worker.half});
+    return batch;
+}
+
+/// A batch of unknown length is doubted when the rest of the frame is done.
+void FrameBalance::setAlarm(const Batch& batch, double now) {
+    const Worker& worker = workers_[batch.worker];
+    const bool known = worker.rate > 0.0;
+    const uint32_t helper = batch.worker == anchor_ ? second_ : anchor_;
+    double at = (known ? batch.due : now) + STALL_LIMIT;
+    if (helper != NOBODY) {
+        const Worker& other = workers_[helper];
+        const double again = 2.0 * other.half + other.batchSeconds + batch.cost / other.rate;
+        at = std::min(at, known ? overdueAt(batch.due, batch.seconds, worker.spread, again)
+                                : std::max(predictedEnd(now), now + 2.0 * again));
+    }
+    alarms_.push_back({at, batch.id});
+    std::push_heap(alarms_.begin(), alarms_.end(), later);
+}
+
+FrameBalance::Batch FrameBalance::probe(uint32_t index, double now) {
+    const double cost = PROBE_SHARE * prefix_[original_] / static_cast<double>(askOrder_.size());
+    auto first = prefix_.begin() + static_cast<std::ptrdiff_t>(next_) + 1;
+    auto above = std::upper_bound(first, prefix_.end(), prefix_[next_] + cost);
+    auto last = static_cast<uint32_t>(above - prefix_.begin()) - 1;
+    return issue(index, std::max(last, static_cast<uint32_t>(next_) + 1), now);
+}
+
+double FrameBalance::askAt(uint32_t index) const {
+    const Worker& worker = workers_[index];
+    return worker.half > 0.0 && worker.rate > 0.0 ? worker.freeAt - worker.half : NEVER;
+}
+
+bool FrameBalance::deliver(uint32_t cell) {
+    if (delivered_[cell]) return false;
+    delivered_[cell] = 1;
+    undelivered_--;
+    if (again_[cell]) {  // it had gone back, and its first maker answered after all
+        again_[cell] = 0;
+        poolCost_ = std::max(0.0, poolCost_ - costs_[cell]);
+    }
+    return true;
+}
+
+bool FrameBalance::finish(uint32_t id, double now) {
+    Entry& entry = batches_[id];
+    if (entry.finished) return false;
+    entry.finished = true;
+    Worker& worker = workers_[entry.batch.worker];
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < worker.inHandCount; i++) {
+        if (worker.inHand[i] != id) worker.inHand[kept++] = worker.inHand[i];
+    }
+    worker.inHandCount = kept;
+    worker.freeAt = std::max(begin_, now - worker.half);
+    for (uint32_t i = 0; i < kept; i++) {
+        const Entry& waits = batches_[worker.inHand[i]];
+        worker.freeAt = std::max(worker.freeAt, waits.earliest) + waits.batch.seconds;
+    }
+    if (worker.state == State::suspect) {
+        worker.state = worker.rate > 0.0 ? State::works : State::probes;
+        chooseAnchors();
+    }
+    if (worker.state == State::samples) worker.state = State::parked;
+    if (worker.state == State::probes) learnRate(worker, entry, now);
+    if (worker.isCounted) count(worker, now);
+    return giveBack(id);
+}
+
+/// The first result of a device without a rate: from now on it works like the others.
+void FrameBalance::learnRate(const Worker& measured, const Entry& entry, double now) {
+    const double seconds = std::max(now - measured.half - entry.start, 1e-9);
+    const double rate = entry.batch.cost / std::max(seconds - measured.batchSeconds, 0.1 * seconds);
+    const uint32_t device = measured.device;
+    for (Worker& worker : workers_) {
+        if (worker.device != device || worker.state != State::probes) continue;
+        drop(worker);
+        worker.rate = rate;
+        worker.state = State::works;
+        count(worker, now);
+    }
+    chooseAnchors();
+    guessRates(now);
+}
+
+/// Workers that are still being measured count as fast as the mean of the others, so that those don't take all.
+void FrameBalance::guessRates(double now) {
+    double sum = 0.0;
+    uint32_t known = 0;
+    for (const Worker& worker : workers_) {
+        if (worker.state != State::works) continue;
+        sum += worker.rate;
+        known++;
+    }
+    for (Worker& worker : workers_) {
+        if (worker.state != State::probes || known == 0) continue;
+        drop(worker);
+        worker.guess = sum / known;
+        count(worker, now);
+    }
+}
+
+/// What a batch did not deliver waits for a worker again.
+bool FrameBalance::giveBack(uint32_t id) {
+    Entry& entry = batches_[id];
+    if (entry.returned) return false;
+    entry.returned = true;
+    bool any = false;
+    for (uint32_t i = entry.batch.first; i < entry.batch.last; i++) {
+        const uint32_t cell = order_[i];
+        if (delivered_[cell] || again_[cell]) continue;
+        order_.push_back(cell);
+        prefix_.push_back(prefix_.back() + costs_[cell]);
+        again_[cell] = 1;
+        poolCost_ += costs_[cell];
+        any = true;
+    }
+    return any;
+}
+
+bool FrameBalance::lose(uint32_t index) {
+    Worker& worker = workers_[index];
+    if (worker.state == State::lost) return false;
+    drop(worker);
+    worker.state = State::lost;
+    chooseAnchors();
+    for (uint32_t i = 0; i < worker.inHandCount; i++) {
+        batches_[worker.inHand[i]].finished = true;
+        giveBack(worker.inHand[i]);
+    }
+    worker.inHandCount = 0;
+    callParked();
+    return waiting();
+}
+
+/// When nobody works any more, those that were left out step in.
+void FrameBalance::callParked() {
+    auto working = [](const Worker& w) { return w.state == State::works || w.state == State::probes; };
+    if (std::any_of(workers_.begin(), workers_.end(), working)) return;
+    for (Worker& worker : workers_) {
+        if (worker.state == State::parked || worker.state == State::samples) {
+            worker.state = worker.rate > 0.0 ? State::works : State::probes;
+        }
+    }
+    chooseAnchors();
+}
+
+bool FrameBalance::hopeless() const {
+    auto lost = [](const Worker& w) { return w.state == State::lost; };
+    return undelivered_ > 0 && std::all_of(workers_.begin(), workers_.end(), lost);
+}
+
+double FrameBalance::nextOverdue() {
+    while (!alarms_.empty() && batches_[alarms_.front().batch].finished) {
+        std::pop_heap(alarms_.begin(), alarms_.end(), later);
+        alarms_.pop_back();
+    }
+    return alarms_.empty() ? NEVER : alarms_.front().at;
+}
+
+bool FrameBalance::checkOverdue(double now) {
+    bool doubts = false;
+    while (nextOverdue() <= now) {
+        const uint32_t id = alarms_.front().batch;
+        std::pop_heap(alarms_.begin(), alarms_.end(), later);
+        alarms_.pop_back();
+        Worker& worker = workers_[batches_[id].batch.worker];
+        if (worker.state == State::works || worker.state == State::probes) {
+            drop(worker);
+            worker.state = State::suspect;
+            chooseAnchors();
+        }
+        giveBack(id);
+        doubts = true;
+    }
+    if (doubts) callParked();
+    return doubts && waiting();
+}
+
+}  // namespace heliograph
