@@ -33,7 +33,7 @@ export class SceneBar {
 
   private refresh(): void {
     const { scene, readyName } = this.viewer_.state;
-    const name = scene?.state === 'failed' ? readyName : (scene?.name ?? '');
+    const name = scene === null || scene.state === 'failed' ? readyName : scene.name;
     setText(this.sceneLabel_, name === '' ? '…' : displayName(name));
     document.title = name === '' ? 'Heliograph' : `${displayName(name)} · Heliograph`;
   }

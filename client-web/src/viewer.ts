@@ -163,7 +163,9 @@ export class Viewer {
       this.motionToPhoton.reset();
       this.state.picturesAwaited = 0;
       this.state.pathPlaying = false;
+      this.state.scene = null; // until the server says what it shows
       this.controller.enabled = true;
+      this.emit('scene');
       this.emit('path');
       this.emit('frame');
     }
@@ -285,7 +287,9 @@ export class Viewer {
     const frame = parseFrame(buffer);
     this.receivedRate.push(performance.now(), buffer.byteLength);
     if (frame.kind === 'frame') {
-      this.display_.push(frame);
+      // While the scene from before a reconnect is on its way, frames show the server's own: not what was looked at.
+      if (this.restoring_ !== null) this.dropped(frame, 'newer');
+      else this.display_.push(frame);
       return;
     }
     this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);

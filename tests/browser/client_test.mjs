@@ -290,6 +290,7 @@ async function reconnectChecks() {
       await drag([720, 400], [640, 380]);
       await settled();
       const before = await state();
+      const shown = await picture(page);
       noProblems();
       browser.expectDisconnect = true;
       await server.kill();
@@ -300,7 +301,14 @@ async function reconnectChecks() {
       await screenshot('disconnected');
       await server.start();
       await until('the connection', 20_000, async () => (await state()).connected);
+      await until('a frame after the reconnect', 60_000, async () => {
+        const { framesPresented } = await state();
+        return framesPresented > before.framesPresented;
+      });
+      const first = await state();
+      expect(first.scene?.name === OTHER_SCENE, `the first frame shows ${first.scene?.name}`);
       await sceneShown(OTHER_SCENE);
+      expect(difference(shown, await picture(page)) < 6, 'the picture is another one than before');
       browser.expectDisconnect = false;
       const after = await state();
       expect(after.settings.exposure === 0.5, `exposure ${after.settings.exposure}`);
