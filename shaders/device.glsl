@@ -1,4 +1,4 @@
-// The whole kernel and the traversal for a compute shader. The including file declares the constants EFFECTS and BVH_STACK
+// The whole kernel and the traversal for a compute shader. The including file declares the constants EFFECTS, VARIETIES and BVH_STACK
 // and is compiled with BVH_WIDTH 2 (GPUs: storage buffers) or 4 (CPU-type devices: texel buffers, which they read faster).
 #ifndef HELIOGRAPH_DEVICE_GLSL
 #define HELIOGRAPH_DEVICE_GLSL
@@ -9,6 +9,7 @@
 #if BVH_WIDTH == 4
 #define FETCH_ARRAYS
 #endif
+#define MET(variety) ((VARIETIES & (variety)) != 0u)
 #define HAS(effect) ((EFFECTS & (effect)) != 0u)
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"

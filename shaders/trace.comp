@@ -8,6 +8,7 @@ layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;  // exactly those of the request
 layout(constant_id = 1) const uint PATH_STACK = 16u;       // pending rays of a pixel, at least what the settings allow
 layout(constant_id = 2) const uint BVH_STACK = 64u;
+layout(constant_id = 3) const uint VARIETIES = 0xffffffffu;  // what the scene holds
 
 #include "device.glsl"
 

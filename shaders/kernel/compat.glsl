@@ -5,13 +5,18 @@
 //   a choice between values is SELECT(condition, yes, no), both sides are computed;
 //   a branch on values is `if (ANY(condition))` and chooses with SELECT inside, since some lanes may say no;
 //   plain `if` only for what is the same for the whole frame: HAS(effect), FRAME fields, a light's fields;
+//   MET(variety) is false only if the scene holds nothing of the kind, so that the result is the same without asking;
 //   fields of scene arrays are read as ARRAY(index, field), so that lanes load only what is used.
 #ifndef HELIOGRAPH_COMPAT_GLSL
 #define HELIOGRAPH_COMPAT_GLSL
 
 #ifdef __cplusplus
 #define KERNEL_CONSTANT static constexpr
+#define MET(variety) true
 #else
+#ifndef MET
+#define MET(variety) true
+#endif
 #define IN(T) T
 #define OUT(T) out T
 #define INOUT(T) inout T

@@ -47,7 +47,7 @@ vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
     vec4 texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint);
     vec3 local = vec3((texel.x * 2.0f - 1.0f) * scale, (texel.y * 2.0f - 1.0f) * scale, texel.z * 2.0f - 1.0f);
     bool bump = (flags & MATERIAL_BUMP) != 0u;
-    if (ANY(bump)) local = SELECT(bump, bumpNormal(s, slot, scale), local);
+    if (MET(VARIETY_BUMP) && ANY(bump)) local = SELECT(bump, bumpNormal(s, slot, scale), local);
     vec3 n = normalize3(t * local.x + bitangent * local.y + s.normal * local.z);
     return SELECT(usable && dot(n, s.geometricNormal) > 0.01f, n, s.normal);
 }
@@ -64,10 +64,10 @@ vec4 baseColorAt(IN(Surface) s, uint flags) {
     if (HAS(EFFECT_VERTEX_COLORS)) base = base * s.color;
     if (HAS(EFFECT_TEXTURES)) {
         uint slot = MATERIAL(s.material, baseTexture);
-        if (ANY(slot != NO_INDEX)) base = base * sampleTexture(slot, s.uv0, s.uv1, s.footprint);
+        if (MET(VARIETY_BASE_TEXTURE) && ANY(slot != NO_INDEX)) base = base * sampleTexture(slot, s.uv0, s.uv1, s.footprint);
         uint opacitySlot = MATERIAL(s.material, opacityTexture);
         bool masked = opacitySlot != NO_INDEX;
-        if (ANY(masked)) base.w = SELECT(masked, base.w * opacityAt(s, opacitySlot, flags), base.w);
+        if (MET(VARIETY_OPACITY_TEXTURE) && ANY(masked)) base.w = SELECT(masked, base.w * opacityAt(s, opacitySlot, flags), base.w);
     }
     return base;
 }
@@ -80,19 +80,19 @@ bool isCutOut(IN(Surface) s) {
 
 void applyTextures(INOUT(Shading) r, INOUT(float) metallic, IN(Surface) s) {
     uint metallicRoughness = MATERIAL(s.material, metallicRoughnessTexture);
-    if (ANY(metallicRoughness != NO_INDEX)) {
+    if (MET(VARIETY_METALLIC_ROUGHNESS_TEXTURE) && ANY(metallicRoughness != NO_INDEX)) {
         vec4 texel = sampleTexture(metallicRoughness, s.uv0, s.uv1, s.footprint);
         r.roughness = r.roughness * texel.y;
         metallic = metallic * texel.z;
     }
     uint transmission = MATERIAL(s.material, transmissionTexture);
-    if (ANY(transmission != NO_INDEX))
+    if (MET(VARIETY_TRANSMISSION_TEXTURE) && ANY(transmission != NO_INDEX))
         r.transmission = r.transmission * sampleTexture(transmission, s.uv0, s.uv1, s.footprint).x;
     uint specular = MATERIAL(s.material, specularTexture);
-    if (ANY(specular != NO_INDEX)) r.f0 = r.f0 * pointOf(sampleTexture(specular, s.uv0, s.uv1, s.footprint));
+    if (MET(VARIETY_SPECULAR_TEXTURE) && ANY(specular != NO_INDEX)) r.f0 = r.f0 * pointOf(sampleTexture(specular, s.uv0, s.uv1, s.footprint));
     uint emission = MATERIAL(s.material, emissionTexture);
     if (HAS(EFFECT_EMISSION)) {
-        if (ANY(emission != NO_INDEX)) r.emission = r.emission * pointOf(sampleTexture(emission, s.uv0, s.uv1, s.footprint));
+        if (MET(VARIETY_EMISSION_TEXTURE) && ANY(emission != NO_INDEX)) r.emission = r.emission * pointOf(sampleTexture(emission, s.uv0, s.uv1, s.footprint));
     }
     if (HAS(EFFECT_NORMAL_MAPS)) {
         uint normal = MATERIAL(s.material, normalTexture);
@@ -134,7 +134,7 @@ Shading shadingAt(IN(Surface) s) {
     float kept = SELECT(phong, 1.0f - r.mirror, 1.0f - metallic);
     r.diffuse = color * (kept * (1.0f - r.transmission));
     bool unlit = (r.flags & MATERIAL_UNLIT) != 0u;
-    if (ANY(unlit)) {
+    if (MET(VARIETY_UNLIT) && ANY(unlit)) {
         vec3 black = vec3(0.0f, 0.0f, 0.0f);
         r.emission = SELECT(unlit, r.emission + color, r.emission);
         r.diffuse = SELECT(unlit, black, r.diffuse);
@@ -153,13 +153,13 @@ vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
     float nDotL = max(dot(m.normal, wi), 0.0f);
     vec3 result = vec3(0.0f, 0.0f, 0.0f);
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
-    if (ANY(phong)) {
+    if (MET(VARIETY_PHONG) && ANY(phong)) {
         vec3 r = m.normal * (2.0f * nDotL) - wi;
         float lobe = powKernel(saturate(dot(r, wo)), max(m.exponent, 1.0f));
         lobe = SELECT(m.exponent > 1.0f && nDotL > 0.0f, lobe, 0.0f);
         result = m.diffuse * (nDotL * INV_PI) + m.f0 * (lobe * INV_PI);
     }
-    if (ANY(!phong)) {
+    if (MET(VARIETY_MICROFACET) && ANY(!phong)) {
         vec3 h = normalize3(wo + wi);
         float nDotV = max(dot(m.normal, wo), 1.0e-4f);
         vec3 f = fresnelSchlick(m.f0, saturate(dot(wo, h)));

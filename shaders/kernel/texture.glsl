@@ -21,7 +21,7 @@ vec4 decodeTexel(uint word, uint format) {
     bool coded = format == IMAGE_SRGB8;
     if (ANY(coded)) color = SELECT(coded, srgbToLinear(color), color);
     bool wide = format == IMAGE_RGB9E5;
-    if (ANY(wide)) {
+    if (MET(VARIETY_SHARED_EXPONENT) && ANY(wide)) {
         float scale = exp2Integer(max(int(word >> 27) - 24, -126));
         vec3 mantissa = vec3(float(int(word & 511u)), float(int((word >> 9) & 511u)), float(int((word >> 18) & 511u)));
         color = SELECT(wide, mantissa * scale, color);
@@ -35,7 +35,7 @@ float wrapCoordinate(float x, uint mode) {
     float safe = SELECT(abs(x) < 1.0e9f, x, 0.0f);
     float result = safe - floor(safe);
     bool other = mode != WRAP_REPEAT;
-    if (ANY(other)) {
+    if (MET(VARIETY_WRAP) && ANY(other)) {
         float pair = safe - 2.0f * floor(safe * 0.5f);
         float mirrored = SELECT(pair > 1.0f, 2.0f - pair, pair);
         result = SELECT(other, SELECT(mode == WRAP_CLAMP, saturate(safe), mirrored), result);
@@ -111,6 +111,6 @@ vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, float area) {
     uint image = TEXTURE(index, image);
     vec4 color = sampleImage(image, u, v, wrapU, wrapV, area * scale);
     bool nearest = TEXTURE(index, nearest) != 0u;
-    if (ANY(nearest)) color = SELECT(nearest, sampleNearest(image, u, v, wrapU, wrapV), color);
+    if (MET(VARIETY_NEAREST) && ANY(nearest)) color = SELECT(nearest, sampleNearest(image, u, v, wrapU, wrapV), color);
     return SELECT(present, color, vec4(1.0f, 1.0f, 1.0f, 1.0f));
 }

@@ -19,6 +19,22 @@ UINT_CONSTANT(MATERIAL_VOLUME, 16u)       // a solid body: refracts and absorbs;
 UINT_CONSTANT(MATERIAL_BUMP, 32u)         // normalTexture holds heights, not normals
 UINT_CONSTANT(MATERIAL_OPACITY_RED, 64u)  // opacityTexture's red is alpha (MTL map_d)
 
+// What materials and textures of a scene may do and others do not: a device that compiles per scene leaves out what its
+// scene does not hold (MET, compat.glsl). Some run both sides of every branch, so that there code costs time unmet.
+UINT_CONSTANT(VARIETY_BASE_TEXTURE, 1u)
+UINT_CONSTANT(VARIETY_OPACITY_TEXTURE, 2u)
+UINT_CONSTANT(VARIETY_METALLIC_ROUGHNESS_TEXTURE, 4u)
+UINT_CONSTANT(VARIETY_TRANSMISSION_TEXTURE, 8u)
+UINT_CONSTANT(VARIETY_SPECULAR_TEXTURE, 16u)
+UINT_CONSTANT(VARIETY_EMISSION_TEXTURE, 32u)
+UINT_CONSTANT(VARIETY_BUMP, 64u)            // a normal texture that holds heights
+UINT_CONSTANT(VARIETY_NEAREST, 128u)        // a texture without filtering
+UINT_CONSTANT(VARIETY_WRAP, 256u)           // a texture that is clamped or mirrored
+UINT_CONSTANT(VARIETY_SHARED_EXPONENT, 512u)  // an image of format IMAGE_RGB9E5
+UINT_CONSTANT(VARIETY_PHONG, 1024u)
+UINT_CONSTANT(VARIETY_MICROFACET, 2048u)
+UINT_CONSTANT(VARIETY_UNLIT, 4096u)
+
 // One vertex beside its position, 32 bytes.
 struct VertexAttributes {
     vec3 normal;  // unit, object space

@@ -2,6 +2,7 @@
 #include "server/device/vulkan/bvh_builder.h"
 #include "server/device/vulkan/spirv_exact.h"
 #include "server/device/vulkan/batch.h"
+#include "server/device/vulkan/gpu_scene.h"
 #include "server/device/vulkan/raster_device.h"
 #include "server/device/vulkan/vulkan_device.h"
 
@@ -298,6 +299,37 @@ void checkTree(const Bvh& bvh, uint32_t expected) {
     uint32_t once = 0;
     for (uint32_t n : seen) once += n == 1;
     EXPECT_EQ(once, expected);
+}
+
+TEST(Varieties, AreWhatTheScenesMaterialsTexturesAndImagesDo) {
+    Scene scene;
+    scene.environment.image = NO_INDEX;
+    EXPECT_EQ(varietiesOf(scene), 0u);
+    Material plain{};
+    plain.baseTexture = plain.metallicRoughnessTexture = plain.normalTexture = plain.emissionTexture = plain.opacityTexture =
+        plain.transmissionTexture = plain.specularTexture = NO_INDEX;
+    scene.materials = {plain};
+    EXPECT_EQ(varietiesOf(scene), VARIETY_MICROFACET);
+    scene.materials[0].flags = MATERIAL_UNLIT;
+    EXPECT_EQ(varietiesOf(scene), VARIETY_UNLIT | VARIETY_PHONG);
+    Material painted = plain;
+    painted.flags = MATERIAL_PHONG | MATERIAL_BUMP;
+    painted.baseTexture = painted.emissionTexture = 0;
+    scene.materials = {painted};
+    EXPECT_EQ(varietiesOf(scene), VARIETY_PHONG | VARIETY_BUMP | VARIETY_BASE_TEXTURE | VARIETY_EMISSION_TEXTURE);
+    scene.materials.clear();
+    TextureSlot slot{};
+    slot.wrapV = WRAP_MIRROR;
+    slot.nearest = 1;
+    scene.textures = {slot};
+    Image image{};
+    image.format = IMAGE_RGB9E5;
+    scene.images = {image};
+    EXPECT_EQ(varietiesOf(scene), VARIETY_WRAP | VARIETY_NEAREST | VARIETY_SHARED_EXPONENT);
+    scene.textures.clear();
+    scene.images.clear();
+    scene.environment.image = 0;
+    EXPECT_EQ(varietiesOf(scene), VARIETY_WRAP);
 }
 
 TEST(BvhBuilder, QuantisedBoxesHoldTheirTriangles) {

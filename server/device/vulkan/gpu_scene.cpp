@@ -16,6 +16,31 @@ std::string mebibytes(uint64_t bytes) { return std::to_string((bytes + (1 << 20)
 
 }  // namespace
 
+uint32_t varietiesOf(const Scene& scene) {
+    uint32_t bits = 0;
+    auto note = [&](bool met, uint32_t variety) { bits |= met ? variety : 0u; };
+    for (const Material& m : scene.materials) {
+        note(m.baseTexture != NO_INDEX, VARIETY_BASE_TEXTURE);
+        note(m.opacityTexture != NO_INDEX, VARIETY_OPACITY_TEXTURE);
+        note(m.metallicRoughnessTexture != NO_INDEX, VARIETY_METALLIC_ROUGHNESS_TEXTURE);
+        note(m.transmissionTexture != NO_INDEX, VARIETY_TRANSMISSION_TEXTURE);
+        note(m.specularTexture != NO_INDEX, VARIETY_SPECULAR_TEXTURE);
+        note(m.emissionTexture != NO_INDEX, VARIETY_EMISSION_TEXTURE);
+        note((m.flags & MATERIAL_BUMP) != 0u, VARIETY_BUMP);
+        note((m.flags & MATERIAL_UNLIT) != 0u, VARIETY_UNLIT);
+        // What shows its own colour is shaded by the model that reflects nothing.
+        note((m.flags & (MATERIAL_PHONG | MATERIAL_UNLIT)) != 0u, VARIETY_PHONG);
+        note((m.flags & (MATERIAL_PHONG | MATERIAL_UNLIT)) == 0u, VARIETY_MICROFACET);
+    }
+    for (const TextureSlot& slot : scene.textures) {
+        note(slot.nearest != 0u, VARIETY_NEAREST);
+        note(slot.wrapU != WRAP_REPEAT || slot.wrapV != WRAP_REPEAT, VARIETY_WRAP);
+    }
+    for (const Image& image : scene.images) note(image.format == IMAGE_RGB9E5, VARIETY_SHARED_EXPONENT);
+    note(scene.environment.image != NO_INDEX, VARIETY_WRAP);  // a lat-long image ends at the poles
+    return bits;
+}
+
 VkDescriptorType GpuScene::descriptorType(uint32_t index, uint32_t width) {
     if (index == binding::FRAME || index == binding::ENVIRONMENT) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     if (width == 4 && index <= binding::BVH_TRIANGLES) return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
@@ -53,6 +78,7 @@ GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t qualit
     options.quality = quality;
     Bvh bvh = buildBvh(*scene_, options, progress);
     stackDepth_ = bvh.stackDepth;
+    varieties_ = varietiesOf(*scene_);
     double built = now();
     buildSeconds_ = built - begin;
     report(progress, "uploading the scene", 0.8);

@@ -15,6 +15,9 @@ constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIAN
                    BVH_NODES = 15, BVH_TRIANGLES = 16, TILES = 17, SUMS = 18, COUNTS = 19, COUNT = 20;
 }
 
+/// VARIETY_* bits of what a scene's materials, textures and images do.
+uint32_t varietiesOf(const Scene& scene);
+
 class GpuScene {
 public:
     /// Builds the trees and uploads. quality: 0 low, 1 medium, 2 high. Throws InputError for a scene that does not fit the
@@ -30,6 +33,8 @@ public:
     /// Children of a tree node: 4 on CPU-type devices, which read all arrays through texel buffers, else 2.
     uint32_t bvhWidth() const { return bvhWidth_; }
     uint32_t stackDepth() const { return stackDepth_; }
+    /// VARIETY_* bits of what the scene holds.
+    uint32_t varieties() const { return varieties_; }
     double buildSeconds() const { return buildSeconds_; }
     double uploadSeconds() const { return uploadSeconds_; }
     /// Writes the scene's bindings of a set.
@@ -53,6 +58,7 @@ private:
     std::shared_ptr<const Scene> scene_;
     uint32_t bvhWidth_ = 2;
     uint32_t stackDepth_ = 0;
+    uint32_t varieties_ = 0;
     double buildSeconds_ = 0.0;
     double uploadSeconds_ = 0.0;
     GpuBuffer buffers_[binding::COUNT];

@@ -80,16 +80,16 @@ VkDescriptorSet TracePipelines::newSet() {
 
 void TracePipelines::freeSet(VkDescriptorSet set) { vkFreeDescriptorSets(gpu_.handle(), pool_, 1, &set); }
 
-VkPipeline TracePipelines::get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack) {
-    VkPipeline& pipeline = pipelines_[{effects.bits, pathStack, roundUp(bvhStack, 16)}];
-    if (!pipeline) pipeline = make(effects, pathStack, roundUp(bvhStack, 16));
+VkPipeline TracePipelines::get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties) {
+    VkPipeline& pipeline = pipelines_[{effects.bits, pathStack, roundUp(bvhStack, 16), varieties}];
+    if (!pipeline) pipeline = make(effects, pathStack, roundUp(bvhStack, 16), varieties);
     return pipeline;
 }
 
-VkPipeline TracePipelines::make(EffectSet effects, uint32_t pathStack, uint32_t bvhStack) const {
-    const uint32_t constants[] = {effects.bits, pathStack, bvhStack};
-    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}};
-    VkSpecializationInfo specialization{3, entries, sizeof constants, constants};
+VkPipeline TracePipelines::make(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties) const {
+    const uint32_t constants[] = {effects.bits, pathStack, bvhStack, varieties};
+    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}};
+    VkSpecializationInfo specialization{4, entries, sizeof constants, constants};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module_, "main",
                   &specialization};

@@ -4,6 +4,7 @@
 #include "server/device/vulkan/gpu_scene.h"
 #include "server/render/frame_request.h"
 
+#include <array>
 #include <map>
 #include <tuple>
 
@@ -24,17 +25,18 @@ public:
     VkPipelineLayout layout() const { return layout_; }
     VkDescriptorSet newSet();
     void freeSet(VkDescriptorSet set);
-    VkPipeline get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack);
+    /// `varieties`: VARIETY_* bits; code for others is left out.
+    VkPipeline get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties = ~0u);
 
 private:
-    VkPipeline make(EffectSet effects, uint32_t pathStack, uint32_t bvhStack) const;
+    VkPipeline make(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties) const;
 
     Gpu& gpu_;
     VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkShaderModule module_ = VK_NULL_HANDLE;
-    std::map<std::tuple<uint32_t, uint32_t, uint32_t>, VkPipeline> pipelines_;
+    std::map<std::array<uint32_t, 4>, VkPipeline> pipelines_;
 };
 
 }  // namespace heliograph

@@ -73,7 +73,7 @@ private:
     void renderAll(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
         FrameConstants frame = frameConstants(scene_->scene(), request);
         VkPipeline pipeline =
-            pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), scene_->stackDepth());
+            pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), scene_->stackDepth(), scene_->varieties());
         size_t next = 0;
         for (size_t turn = 0;; turn++) {
             Batch& batch = *batches_[turn % IN_FLIGHT];
