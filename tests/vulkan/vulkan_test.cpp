@@ -151,6 +151,19 @@ std::shared_ptr<const Scene> placedScene() {
     return builder.finish();
 }
 
+TEST_F(Vulkan, TheQualityOfTheTreesFollowsTheSettings) {
+    auto scene = openScene("cornell");
+    auto device = makeVulkanDevice("", checked());
+    Settings settings = occludedSettings();
+    device->load(scene, settings, {});
+    const std::vector<vec4> medium = picture(*device, requestFor(*scene, settings, {64, 48}));
+    for (const char* quality : {"high", "low"}) {
+        settings.set("bvhQuality", quality);
+        device->prepare(settings);
+        EXPECT_EQ(differing(picture(*device, requestFor(*scene, settings, {64, 48})), medium), 0u) << quality;
+    }
+}
+
 TEST_F(Vulkan, InstancesStayInstancesAndLookTheSame) {
     auto scene = placedScene();
     ASSERT_GE(scene->instances.size(), 10u);

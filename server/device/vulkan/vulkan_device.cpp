@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include <chrono>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 
@@ -42,26 +43,30 @@ public:
 
     void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
         std::lock_guard lock(mutex_);
-        batches_.clear();
-        scene_.reset();
+        residents_.clear();
+        source_ = std::move(scene);
         try {
-            scene_ = std::make_unique<GpuScene>(gpu_, std::move(scene), settings.bvhQuality, progress);
-            for (size_t i = 0; i < IN_FLIGHT; i++) batches_.push_back(std::make_unique<Batch>(gpu_, pipelines_, *scene_));
+            Resident& resident = residentFor(settings, progress);
             report(progress, "warming up", 0.95);
-            warmUp(settings);
+            warmUp(resident, settings);
         } catch (...) {
-            batches_.clear();
-            scene_.reset();
+            residents_.clear();
+            source_.reset();
             throw;
         }
+    }
+
+    void prepare(const Settings& settings) override {
+        std::lock_guard lock(mutex_);
+        if (source_) residentFor(settings, {});
     }
 
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                 std::stop_token stop) override {
         std::lock_guard lock(mutex_);
-        if (!scene_) throw std::logic_error("render before load");
+        if (!source_) throw std::logic_error("render before load");
         try {
-            renderAll(request, tiles, sink, stop);
+            renderAll(residentFor(request.settings, {}), request, tiles, sink, stop);
         } catch (...) {
             abandon();
             throw;
@@ -69,26 +74,42 @@ public:
     }
 
 private:
+    /// The scene with its trees in one quality.
+    struct Resident {
+        std::unique_ptr<GpuScene> scene;
+        std::vector<std::unique_ptr<Batch>> batches;  // go before the scene
+    };
+
+    Resident& residentFor(const Settings& settings, const Progress& progress) {
+        auto found = residents_.find(settings.bvhQuality);
+        if (found != residents_.end()) return found->second;
+        Resident made;
+        made.scene = std::make_unique<GpuScene>(gpu_, source_, settings.bvhQuality, progress);
+        for (size_t i = 0; i < IN_FLIGHT; i++) made.batches.push_back(std::make_unique<Batch>(gpu_, pipelines_, *made.scene));
+        return residents_.emplace(settings.bvhQuality, std::move(made)).first->second;
+    }
+
     // Batches in order: while one is traced, the one before is handed over.
-    void renderAll(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
-        FrameConstants frame = frameConstants(scene_->scene(), request);
+    void renderAll(Resident& resident, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
+        FrameConstants frame = frameConstants(*source_, request);
         VkPipeline pipeline =
-            pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), scene_->stackDepth(), scene_->varieties());
+            pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), resident.scene->stackDepth(),
+                           resident.scene->varieties());
         size_t next = 0;
         for (size_t turn = 0;; turn++) {
-            Batch& batch = *batches_[turn % IN_FLIGHT];
+            Batch& batch = *resident.batches[turn % IN_FLIGHT];
             if (batch.inFlight()) deliver(batch, sink);
             if (!stop.stop_requested()) {
                 uint64_t wanted = size_.samples();
                 while (next < tiles.size() && batch.takes(tiles[next], wanted)) batch.add(tiles[next++]);
             }
             if (!batch.empty()) batch.submit(pipeline, frame);
-            else if (!anyInFlight()) return;
+            else if (!anyInFlight(resident)) return;
         }
     }
 
-    bool anyInFlight() const {
-        for (const auto& batch : batches_)
+    static bool anyInFlight(const Resident& resident) {
+        for (const auto& batch : resident.batches)
             if (batch->inFlight()) return true;
         return false;
     }
@@ -107,12 +128,13 @@ private:
     // After a failure: nothing may be in flight when the next frame begins. A lost device says so at once.
     void abandon() {
         vkDeviceWaitIdle(gpu_.handle());
-        for (auto& batch : batches_) batch->forget();
+        for (auto& [quality, resident] : residents_)
+            for (auto& batch : resident.batches) batch->forget();
     }
 
     // Compiles what the settings call for (drivers do so at the first dispatch), and wakes the clocks of a GPU.
-    void warmUp(const Settings& settings) {
-        const Scene& scene = scene_->scene();
+    void warmUp(Resident& resident, const Settings& settings) {
+        const Scene& scene = *source_;
         FrameRequest request;
         request.settings = settings;
         request.effects.bits = effectsOf(scene).bits & allowedEffects(settings).bits;
@@ -122,7 +144,7 @@ private:
         Tile tile;
         tile.size = request.resolution;
         auto end = Clock::now() + CLOCK_WARM_UP;
-        do renderAll(request, {&tile, 1}, [](TileResult&&) {}, {});
+        do renderAll(resident, request, {&tile, 1}, [](TileResult&&) {}, {});
         while (gpu && Clock::now() < end);
         size_.secondsPerSample = 0.0;
     }
@@ -131,8 +153,8 @@ private:
     Gpu gpu_;
     std::string name_;
     TracePipelines pipelines_;
-    std::unique_ptr<GpuScene> scene_;
-    std::vector<std::unique_ptr<Batch>> batches_;
+    std::shared_ptr<const Scene> source_;
+    std::map<uint32_t, Resident> residents_;  // by bvhQuality
     BatchSize size_;
     std::mutex mutex_;
 };
