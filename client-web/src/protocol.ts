@@ -2,6 +2,7 @@
 // of the page deals with typed values only.
 
 import type { Bounds, Camera } from './camera.js';
+import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, type Numbers } from './fields.js';
 import { ProtocolError } from './frame.js';
 import type { Vec3 } from './vector.js';
 
@@ -70,8 +71,6 @@ export interface SceneMessage {
   readonly ready: SceneReady | null;
 }
 
-export type Numbers = Readonly<Record<string, number>>;
-
 export interface Stats {
   readonly type: 'stats';
   readonly device: string;
@@ -108,24 +107,7 @@ export type ServerMessage =
   | { readonly type: 'error'; readonly message: string; readonly about: string; readonly inputId: number | null }
   | { readonly type: 'pong'; readonly time: number };
 
-type Fields = Record<string, unknown>;
-
-const isObject = (value: unknown): value is Fields =>
-  typeof value === 'object' && value !== null && !Array.isArray(value);
-const fieldsOf = (value: unknown): Fields => (isObject(value) ? value : {});
-const listOf = (value: unknown): readonly unknown[] => (Array.isArray(value) ? value : []);
-const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
-const numberOf = (value: unknown, fallback = 0): number =>
-  typeof value === 'number' && Number.isFinite(value) ? value : fallback;
 const inputIdOf = (value: unknown): number | null => (typeof value === 'number' ? value : null);
-
-function numbersOf(value: unknown): Numbers {
-  const numbers: Record<string, number> = {};
-  for (const [name, entry] of Object.entries(fieldsOf(value))) {
-    if (typeof entry === 'number' && Number.isFinite(entry)) numbers[name] = entry;
-  }
-  return numbers;
-}
 
 function vectorOf(value: unknown, where: string): Vec3 {
   const [x, y, z] = listOf(value);

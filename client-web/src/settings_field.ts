@@ -35,6 +35,7 @@ export class SettingField {
   ) {
     const id = uniqueId('setting');
     this.error_.id = `${id}-error`;
+    this.note_.id = `${id}-note`;
     const help = this.help(id);
     this.reset_ = el(
       'button',
@@ -56,7 +57,7 @@ export class SettingField {
           : this.buildNumber(id);
     this.show_ = built.show;
     this.control_ = built.control;
-    this.control_.setAttribute('aria-describedby', `${id}-help ${id}-error`);
+    this.control_.setAttribute('aria-describedby', `${id}-help ${id}-error ${id}-note`);
     const head = el(
       'div',
       { class: 'field-head' },
@@ -95,6 +96,14 @@ export class SettingField {
   setNote(text: string | null): void {
     setText(this.note_, text ?? '');
     this.note_.hidden = text === null;
+  }
+
+  /** A disabled control shows its value and takes none. */
+  setDisabled(disabled: boolean): void {
+    for (const control of this.element.querySelectorAll<HTMLInputElement | HTMLSelectElement>('input, select')) {
+      control.disabled = disabled;
+    }
+    this.element.classList.toggle('disabled', disabled);
   }
 
   private help(id: string): { button: HTMLButtonElement; price: HTMLElement | null; text: HTMLElement } {

@@ -3,6 +3,7 @@
 
 import { FIELD_OF_VIEW_HIGH, FIELD_OF_VIEW_LOW } from './camera.js';
 import { el, icon } from './dom.js';
+import { HYBRID_ROWS, withoutUse } from './hybrid_rows.js';
 import type { Panel } from './panel.js';
 import type { SettingRow } from './protocol.js';
 import { RESOLUTION_MODES, type ResolutionMode } from './resolution.js';
@@ -12,6 +13,9 @@ import type { Viewer } from './viewer.js';
 
 /** Rows without an effect that are about the picture; the others without one are about the renderer. */
 const PICTURE_ROWS: readonly string[] = ['renderScale', 'samples', 'exposure', 'toneCurve', 'jpegQuality'];
+
+/** Folded until the viewer opens them. */
+const FOLDED_GROUPS: readonly string[] = ['renderer', 'hybrid'];
 
 const FIELD_OF_VIEW_ROW: SettingRow = {
   name: 'fieldOfView',
@@ -54,14 +58,17 @@ export class SettingsPanel {
       rows.filter(filter).map((row) => this.field(row).element);
     const picture = [this.cameraField(), this.resolutionField(), ...group((row) => PICTURE_ROWS.includes(row.name))];
     const isEffect = (row: SettingRow): boolean => row.effect !== '';
+    const isHybrid = (row: SettingRow): boolean => HYBRID_ROWS.includes(row.name);
+    const hybrid = group(isHybrid);
     this.panel_.body.replaceChildren(
       this.group('picture', 'Picture', picture),
       this.group('effects', 'Effects', group(isEffect)),
       this.group(
         'renderer',
         'Renderer',
-        group((row) => !isEffect(row) && !PICTURE_ROWS.includes(row.name)),
+        group((row) => !isEffect(row) && !isHybrid(row) && !PICTURE_ROWS.includes(row.name)),
       ),
+      ...(hybrid.length > 0 ? [this.group('hybrid', 'Hybrid', hybrid)] : []),
       this.resetButton(),
     );
     this.refresh();
@@ -73,7 +80,7 @@ export class SettingsPanel {
   private group(name: string, title: string, fields: readonly HTMLElement[]): HTMLElement {
     const key = `group.${name}`;
     const stored = recall(key);
-    const open = stored === null ? name !== 'renderer' : stored === 'open';
+    const open = stored === null ? !FOLDED_GROUPS.includes(name) : stored === 'open';
     const details = el(
       'details',
       { open },
@@ -151,7 +158,15 @@ export class SettingsPanel {
       field.setError(model.error(row.name));
       const switchedOff = row.effect !== '' && row.type !== 'bool' && model.value(row.effect) === false;
       field.element.classList.toggle('idle', switchedOff);
+      if (HYBRID_ROWS.includes(row.name)) this.refreshHybrid(row, field);
     }
+  }
+
+  private refreshHybrid(row: SettingRow, field: SettingField): void {
+    const reason = withoutUse(row.name, (name) => this.viewer_.settings.value(name));
+    field.setNote(reason);
+    field.element.classList.toggle('idle', reason !== null);
+    if (row.name === 'hybridShare') field.setDisabled(reason !== null);
   }
 
   private noteEffects(): void {

@@ -6,7 +6,7 @@ import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from './
 import { Window } from './latency.js';
 import type { Panel } from './panel.js';
 import type { Frame } from './frame.js';
-import type { Numbers } from './protocol.js';
+import type { Numbers } from './fields.js';
 import type { Viewer } from './viewer.js';
 
 const REFRESH_MS = 250;

@@ -6,15 +6,7 @@ import type { PictureSize, ResolutionMode } from './resolution.js';
 import type { ConnectionState } from './socket.js';
 
 export type Topic =
-  | 'connection'
-  | 'hello'
-  | 'scene'
-  | 'settings'
-  | 'stats'
-  | 'path'
-  | 'frame'
-  | 'camera'
-  | 'resolution';
+  'connection' | 'hello' | 'scene' | 'settings' | 'stats' | 'path' | 'frame' | 'camera' | 'resolution';
 
 export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
 

@@ -1,9 +1,10 @@
 // The page in Chromium against a real server: what a visitor does, from the first picture to a server that dies and
 // comes back. HELIOGRAPH_BINARY names the server (default build/release/heliograph), HELIOGRAPH_CHROMIUM the browser.
-// Writes screenshots to out/browser.
+// Then what a real server seldom does, against the fake one (fake_test.mjs). Writes screenshots to out/browser.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { fakeChecks } from './fake_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 
@@ -147,7 +148,8 @@ async function settingChecks() {
       await select.selectOption(device);
       await until(`a picture by ${device}`, 60_000, async () => {
         const { lastFrame, lastInputId, settings } = await state();
-        const made = device === 'auto' ? lastFrame.devices.length === 1 : lastFrame.devices.join() === device.split(':')[0];
+        const made =
+          device === 'auto' ? lastFrame.devices.length === 1 : lastFrame.devices.join() === device.split(':')[0];
         return settings.device === device && lastFrame.inputId === lastInputId && made;
       });
       if (device === 'raster') await screenshot('raster');
@@ -382,5 +384,6 @@ try {
 } finally {
   await browser.stop();
   await server.kill();
+  await fakeChecks(checks);
   checks.finish();
 }

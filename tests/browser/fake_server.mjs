@@ -1,11 +1,13 @@
 // A stand-in for the server, speaking docs/protocol.md, to work on the page without one and to test what a real server
 // seldom does. Started like the real one: fake_server.mjs serve [SCENE] --listen 127.0.0.1:PORT
+// HELIOGRAPH_FAKE_OMIT leaves settings out of the table (names with commas).
 
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { dirname, extname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { effectCosts, effects, PARTS, partition, SCHEDULER, schema } from './fake_data.mjs';
 import { paint } from './fake_picture.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -16,38 +18,13 @@ const listen = process.argv[process.argv.indexOf('--listen') + 1] ?? '127.0.0.1:
 const [host, port] = listen.split(':');
 const firstScene = process.argv[2] === 'serve' && !process.argv[3]?.startsWith('--') ? process.argv[3] : 'cornell';
 
-/** The rows of the real table, read from its source. */
-function schema() {
-  const text = readFileSync(join(here, '../../shaders/kernel/settings_table.glsl'), 'utf8');
-  const rows = [];
-  for (const [, kind, list] of text.matchAll(/^SETTING_(?:K_)?(BOOL|INT|FLOAT|CHOICE)\((.*)\)$/gm)) {
-    const parts = [...list.matchAll(/"((?:[^"\\]|\\.)*)"|([^,\s"]+)/g)].map((m) => m[1] ?? m[2]);
-    const number = (word) => Number(word.replace(/f$/, ''));
-    const [name, preset] = parts;
-    const [label, effect, price, help] = parts.slice(-4);
-    const common = { name, label, effect, price, help, unit: '' };
-    if (kind === 'BOOL') rows.push({ ...common, type: 'bool', default: preset === 'true' });
-    else if (kind === 'CHOICE')
-      rows.push({
-        ...common,
-        type: 'choice',
-        default: parts[2].split('|')[Number(preset)],
-        choices: parts[2].split('|'),
-      });
-    else
-      rows.push({
-        ...common,
-        type: kind.toLowerCase(),
-        default: number(preset),
-        low: number(parts[2]),
-        high: number(parts[3]),
-        unit: parts[4],
-      });
-  }
-  return rows;
-}
+const omitted = (process.env.HELIOGRAPH_FAKE_OMIT ?? '').split(',');
+const SCHEMA = schema(omitted);
 
-const SCHEMA = schema();
+/** What the tests change by /control?name=value, and what viewers said, which /received answers and forgets. */
+const control = { partition: 'on', costs: 'ready' };
+let received = [];
+
 const SCENES = [
   { name: 'cornell', description: 'A box with two coloured walls: the classic test of light between surfaces.' },
   { name: 'courtyard', description: 'Arches and colonnades on two floors around a sunlit court.' },
@@ -122,11 +99,6 @@ class FakeViewer {
     this.scene = name;
     this.camera = START;
     this.changed();
-    const effects = [...new Set(SCHEMA.map((row) => row.effect).filter(Boolean))].map((effect) => ({
-      name: effect,
-      calledFor: effect !== 'refractions',
-      because: effect === 'refractions' ? 'no material transmits light' : '3 materials, 1,204 triangles',
-    }));
     this.say({
       type: 'scene',
       name,
@@ -148,7 +120,7 @@ class FakeViewer {
       triangles: 66454,
       instances: 12,
       lights: 1,
-      effects,
+      effects: effects(),
       warnings:
         name === 'courtyard'
           ? [
@@ -160,6 +132,7 @@ class FakeViewer {
   }
 
   receive(message) {
+    if (message.type !== 'ack' && message.type !== 'ping') received.push(message);
     switch (message.type) {
       case 'ack':
         this.unacked.delete(message.frameId);
@@ -184,6 +157,10 @@ class FakeViewer {
         return this.picture(message.format);
       case 'path':
         return this.play(message.playing);
+      case 'effectCosts':
+        return this.measure();
+      case 'focus':
+        return this.focus(message);
       default:
         this.refuse(`type: "${message.type}", allowed: camera, settings, ...`, message.type);
     }
@@ -198,6 +175,20 @@ class FakeViewer {
         return this.refuse(`${name}: ${value}, allowed: ${row.low} to ${row.high}`, 'settings', inputId);
     }
     Object.assign(this.settings, values);
+    this.changed(inputId);
+    this.say({ type: 'settings', values: this.settings, inputId });
+  }
+
+  measure() {
+    if (control.costs === 'error') return this.refuse('effectCosts: the device is busy, try again', 'effectCosts');
+    const scene = this.scene;
+    this.say({ type: 'effectCosts', state: 'measuring', share: 0 });
+    setTimeout(() => this.say({ type: 'effectCosts', state: 'measuring', share: 0.5 }), 300);
+    setTimeout(() => this.say(effectCosts(scene)), 900);
+  }
+
+  focus({ x, y, inputId }) {
+    this.settings.focusDistance = 1 + 10 * y + x;
     this.changed(inputId);
     this.say({ type: 'settings', values: this.settings, inputId });
   }
@@ -247,6 +238,10 @@ class FakeViewer {
     const payload = paint(this.scene, this.camera, width, height, this.settings.exposure);
     this.frameId += 1;
     this.unacked.add(this.frameId);
+    // The courtyard is rendered by more workers than a timeline has rows.
+    const [workers, batches] = this.scene === 'courtyard' ? [48, 200] : [6, 5];
+    if (this.settings.showPartition && control.partition === 'on')
+      this.say(partition(this.frameId, width, height, workers, batches));
     this.socket.send(this.header(1, 1, width, height, payload));
   }
 
@@ -269,7 +264,7 @@ class FakeViewer {
   stats() {
     this.say({
       type: 'stats',
-      device: 'embree',
+      device: this.settings.device === 'hybrid' ? 'hybrid' : 'embree',
       framesPerSecond: 33.2,
       samples: this.samples,
       targetSamples: this.settings.samples,
@@ -286,6 +281,9 @@ class FakeViewer {
       ms: { render: 21.4, develop: 1.9, encode: 3.1, queue: 0.8, send: 0.4 },
       overheadShare: 0.12,
       tiles: { embree: 1305 },
+      ...(this.settings.device === 'hybrid'
+        ? { tiles: { embree: 810, 'vulkan:0': 1280 }, parts: PARTS, scheduler: SCHEDULER }
+        : {}),
       viewers: 1,
       residentBytes: 312_000_000,
       nonfiniteSamples: 0,
@@ -299,6 +297,15 @@ const POLICY = "default-src 'self'; style-src 'self'; img-src 'self' blob: data:
 const http = createServer((request, response) => {
   const path = request.url === '/' ? '/index.html' : request.url.split('?')[0];
   if (path === '/healthz') return void response.end('ok\n');
+  if (path === '/control') {
+    Object.assign(control, Object.fromEntries(new URLSearchParams(request.url.split('?')[1])));
+    return void response.end('ok\n');
+  }
+  if (path === '/received') {
+    response.end(JSON.stringify(received));
+    received = [];
+    return;
+  }
   try {
     const body = readFileSync(join(client, 'dist', path.replaceAll('..', '')));
     response.writeHead(200, {

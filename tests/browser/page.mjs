@@ -57,19 +57,21 @@ const healthy = (port) =>
     }).on('error', () => done(false));
   });
 
-/** The server program: HELIOGRAPH_BINARY, a .mjs file is run by node. */
+/** The server program: HELIOGRAPH_BINARY unless `binary` is given; a .mjs file is run by node. */
 export class Server {
-  constructor(port, scene) {
+  constructor(port, scene, binary = process.env.HELIOGRAPH_BINARY, environment = {}) {
     this.port = port;
     this.scene = scene;
-    this.binary = resolve(process.env.HELIOGRAPH_BINARY ?? join(root, 'build/release/heliograph'));
+    this.binary = resolve(binary ?? join(root, 'build/release/heliograph'));
+    this.environment = environment;
     this.log = '';
   }
 
   async start() {
     const command = this.binary.endsWith('.mjs') ? [process.execPath, this.binary] : [this.binary];
     const words = [...command.slice(1), 'serve', this.scene, '--listen', `127.0.0.1:${this.port}`];
-    this.process = spawn(command[0], words, { cwd: root, stdio: ['ignore', 'pipe', 'pipe'] });
+    const env = { ...process.env, ...this.environment };
+    this.process = spawn(command[0], words, { cwd: root, env, stdio: ['ignore', 'pipe', 'pipe'] });
     let ended = null;
     for (const stream of [this.process.stdout, this.process.stderr]) stream.on('data', (data) => (this.log += data));
     this.process.on('error', (error) => (ended = error.message));
