@@ -17,6 +17,7 @@ export interface Diagnostics {
     readonly final: boolean;
     readonly devices: readonly string[]; // that took part
   } | null;
+  readonly partition: { readonly frameId: number; readonly devices: readonly string[] } | null; // on the picture
   readonly lastInputId: number;
   readonly framesPresented: number;
   readonly framesDropped: number;
@@ -53,6 +54,10 @@ export function exposeDiagnostics(viewer: Viewer): void {
               final: frame.final,
               devices: [...frame.devices],
             },
+      partition:
+        state.partition === null
+          ? null
+          : { frameId: state.partition.partition.frameId, devices: [...state.partition.partition.devices] },
       lastInputId: state.lastInputId,
       framesPresented: state.framesPresented,
       framesDropped: state.framesDropped,

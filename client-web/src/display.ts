@@ -11,6 +11,8 @@ export interface Presentation {
 }
 
 export interface DisplayHooks {
+  /** In the animation frame that puts the picture on the canvas. */
+  drawn(frame: Frame): void;
   presented(presentation: Presentation): void;
   dropped(frame: Frame, reason: 'newer' | 'undecodable'): void;
 }
@@ -34,7 +36,10 @@ export class Display {
     this.queue_ = new FrameQueue<ImageBitmap>({
       decode: (frame) => createImageBitmap(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] })),
       schedule: () => this.schedule(),
-      draw: (image, frame, decodeMs) => this.draw(image, frame, decodeMs),
+      draw: (image, frame, decodeMs) => {
+        this.draw(image, frame, decodeMs);
+        hooks.drawn(frame);
+      },
       dropped: hooks.dropped,
       now: () => performance.now(),
     });

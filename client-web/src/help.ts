@@ -36,6 +36,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     rows: [
       [['O'], 'fly or orbit mode'],
       [['R'], 'reset the view'],
+      [['P'], 'show which device made which part'],
       [['F1'], 'hide or show the panels'],
       [['F2'], 'start or stop the benchmark path'],
       [['F3'], 'save a PNG of the picture'],

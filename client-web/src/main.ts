@@ -7,6 +7,7 @@ import { el, iconButton, setText } from './dom.js';
 import { HelpDialog } from './help.js';
 import { attachKeyboard, attachPointers } from './input.js';
 import { Panel } from './panel.js';
+import { PartitionView } from './partition_view.js';
 import { MIME_TYPES, type Frame } from './frame.js';
 import { displayName, fileName } from './scene_name.js';
 import { SettingsPanel, storedResolutionMode } from './settings_panel.js';
@@ -75,7 +76,10 @@ function start(): void {
   restore.addEventListener('click', togglePanels);
   const dock = new Dock(viewer, { statistics, settings }, { help: () => help.toggle(), hide: togglePanels });
   const banner = new Banner(viewer, announce);
+  const partition = new PartitionView(viewer, announce);
   page.append(
+    partition.overlay,
+    partition.card,
     new SceneBar(viewer).element,
     statistics.element,
     settings.element,
@@ -96,6 +100,7 @@ function start(): void {
     '?': () => help.toggle(),
     KeyO: () => dock.toggleMode(),
     KeyR: () => viewer.resetView(),
+    KeyP: () => viewer.togglePartition(),
   });
   viewer.connect();
 }

@@ -4,6 +4,7 @@
 import type { Bounds, Camera } from './camera.js';
 import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, type Numbers } from './fields.js';
 import { ProtocolError } from './frame.js';
+import { partitionOf, type Partition } from './partition.js';
 import type { Vec3 } from './vector.js';
 
 export const PROTOCOL = 'heliograph.v1';
@@ -101,6 +102,7 @@ export type ServerMessage =
   | Hello
   | SceneMessage
   | Stats
+  | Partition
   | { readonly type: 'settings'; readonly values: SettingValues; readonly inputId: number | null }
   | { readonly type: 'path'; readonly playing: boolean; readonly result: PathResult | null }
   | { readonly type: 'notice'; readonly text: string }
@@ -265,6 +267,8 @@ export function parseMessage(text: string): ServerMessage | null {
       return sceneOf(fields);
     case 'stats':
       return statsOf(fields);
+    case 'partition':
+      return partitionOf(fields);
     case 'settings':
       return { type: 'settings', values: settingValuesOf(fields['values']), inputId: inputIdOf(fields['inputId']) };
     case 'path':

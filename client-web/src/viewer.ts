@@ -6,6 +6,7 @@ import { CameraController } from './camera_controller.js';
 import type { Camera } from './camera.js';
 import { Display, type Presentation } from './display.js';
 import { MotionToPhoton, RateMeter, Window } from './latency.js';
+import { PartitionStore, type Partition } from './partition.js';
 import { parseFrame, ProtocolError, type Frame } from './frame.js';
 import {
   parseMessage,
@@ -58,6 +59,7 @@ export class Viewer {
   private readonly display_: Display;
   private restTimer_ = 0;
   private resizeTimer_ = 0;
+  private readonly partitions_ = new PartitionStore();
   private restoring_: Restoring | null = null;
   private pendingSettings_: Record<string, SettingValue> | null = null;
 
@@ -66,6 +68,7 @@ export class Viewer {
     resolutionMode: ResolutionMode,
   ) {
     this.display_ = new Display(canvas_, {
+      drawn: (frame) => this.showPartition(frame, this.partitions_.take(frame.frameId)),
       presented: (presentation) => this.presented(presentation),
       dropped: (frame, reason) => this.dropped(frame, reason),
     });
@@ -107,6 +110,18 @@ export class Viewer {
     }
     Object.assign(this.pendingSettings_, values);
     this.settings.change(values, this.state.lastInputId + 1);
+    this.keepPartition();
+  }
+
+  /** Shows or hides who made which part of the picture. */
+  togglePartition(): void {
+    const shown = this.settings.value('showPartition');
+    if (shown === undefined) {
+      this.onMessage({ kind: 'notice', text: 'This server cannot say which device made which part of the picture.' });
+      return;
+    }
+    this.setSettings({ showPartition: shown !== true });
+    this.emit('settings');
   }
 
   setResolutionMode(mode: ResolutionMode): void {
@@ -160,6 +175,7 @@ export class Viewer {
       this.roundTrips.clear();
     } else if (state.name === 'waiting' || state.name === 'stopped') {
       this.display_.reset();
+      this.forgetPartitions();
       this.motionToPhoton.reset();
       this.state.picturesAwaited = 0;
       this.state.pathPlaying = false;
@@ -180,7 +196,10 @@ export class Viewer {
         return this.scene(message);
       case 'settings':
         this.settings.echo(message.values, message.inputId);
+        this.keepPartition();
         return this.emit('settings');
+      case 'partition':
+        return this.partitions_.put(message);
       case 'stats':
         this.state.stats = message;
         return this.emit('stats');
@@ -256,6 +275,7 @@ export class Viewer {
   private sceneReady(name: string, ready: SceneReady): void {
     const restored = this.restoring_?.scene === name;
     this.restoring_ = null;
+    this.forgetPartitions();
     this.state.ready = ready;
     this.state.readyName = name;
     this.state.pathResult = null;
@@ -318,6 +338,24 @@ export class Viewer {
     if (reason === 'undecodable') {
       this.onMessage({ kind: 'error', text: `Frame ${frame.frameId} could not be decoded (${frame.codec}).` });
     }
+  }
+
+  private showPartition(frame: Frame, partition: Partition | null): void {
+    const wanted = partition !== null && this.settings.value('showPartition') === true;
+    if (!wanted && this.state.partition === null) return;
+    this.state.partition = wanted ? { partition, frame } : null;
+    this.emit('partition');
+  }
+
+  /** Hides the partition at once when it is no longer wanted. */
+  private keepPartition(): void {
+    const shown = this.state.partition;
+    if (shown !== null) this.showPartition(shown.frame, shown.partition);
+  }
+
+  private forgetPartitions(): void {
+    this.partitions_.clear();
+    if (this.state.lastFrame !== null) this.showPartition(this.state.lastFrame, null);
   }
 
   private sendCamera(camera: Camera, moving: boolean, eventTime: number): void {

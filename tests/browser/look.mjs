@@ -35,10 +35,10 @@ export const badControls = (page) =>
     return bad;
   });
 
-/** Pairs of bars and panels that cover each other. */
+/** Pairs of bars, panels and cards that cover each other. */
 export const overlaps = (page) =>
   page.evaluate(() => {
-    const boxes = [...document.querySelectorAll('#page > .bar, #page > .panel')]
+    const boxes = [...document.querySelectorAll('.bar, .panel, .partition-card')]
       .map((element) => ({ name: element.id || element.className, box: element.getBoundingClientRect() }))
       .filter(({ box }) => box.width > 0);
     const found = [];
