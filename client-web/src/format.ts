@@ -9,6 +9,10 @@ export function compact(value: number, digits = 1): string {
 
 export const milliseconds = (value: number | null): string => (value === null ? UNKNOWN : `${compact(value)} ms`);
 
+/** Milliseconds, as microseconds below 0.1 ms. */
+export const duration = (ms: number): string =>
+  ms > 0 && ms < 0.0995 ? `${(ms * 1000).toFixed(ms < 0.00995 ? 1 : 0)} µs` : `${compact(ms, ms < 10 ? 2 : 1)} ms`;
+
 /** Counts with k, M, G: 1.30 M, 912 k, 64. */
 export function count(value: number): string {
   const units = ['', ' k', ' M', ' G', ' T'];

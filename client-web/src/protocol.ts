@@ -72,6 +72,23 @@ export interface SceneMessage {
   readonly ready: SceneReady | null;
 }
 
+/** What a device does for the picture. */
+export interface DevicePart {
+  readonly device: string;
+  readonly part: string; // works, probes, parked or lost
+  readonly reason: string;
+  readonly mraysPerSecond: number;
+  readonly share: number; // 0..1 of the last frame's cost
+  readonly idleShare: number; // 0..1 of the last frame's time
+}
+
+export interface SchedulerStats {
+  readonly endLossMs: number; // last finish minus mean finish
+  readonly decisionMs: number;
+  readonly batches: number;
+  readonly reissued: number;
+}
+
 export interface Stats {
   readonly type: 'stats';
   readonly device: string;
@@ -84,6 +101,8 @@ export interface Stats {
   readonly ms: Numbers;
   readonly overheadShare: number;
   readonly tiles: Numbers;
+  readonly parts: readonly DevicePart[]; // empty from an older server
+  readonly scheduler: SchedulerStats | null;
   readonly viewers: number;
   readonly residentBytes: number;
   readonly nonfiniteSamples: number;
@@ -220,6 +239,28 @@ function sceneOf(fields: Fields): SceneMessage {
   };
 }
 
+function devicePartOf(value: unknown): DevicePart {
+  const fields = fieldsOf(value);
+  return {
+    device: textOf(fields['device']),
+    part: textOf(fields['part']),
+    reason: textOf(fields['reason']),
+    mraysPerSecond: numberOf(fields['mraysPerSecond']),
+    share: numberOf(fields['share']),
+    idleShare: numberOf(fields['idleShare']),
+  };
+}
+
+function schedulerOf(value: unknown): SchedulerStats | null {
+  if (!isObject(value)) return null;
+  return {
+    endLossMs: numberOf(value['endLossMs']),
+    decisionMs: numberOf(value['decisionMs']),
+    batches: numberOf(value['batches']),
+    reissued: numberOf(value['reissued']),
+  };
+}
+
 function statsOf(fields: Fields): Stats {
   return {
     type: 'stats',
@@ -233,6 +274,8 @@ function statsOf(fields: Fields): Stats {
     ms: numbersOf(fields['ms']),
     overheadShare: numberOf(fields['overheadShare']),
     tiles: numbersOf(fields['tiles']),
+    parts: listOf(fields['parts']).map(devicePartOf),
+    scheduler: schedulerOf(fields['scheduler']),
     viewers: numberOf(fields['viewers']),
     residentBytes: numberOf(fields['residentBytes']),
     nonfiniteSamples: numberOf(fields['nonfiniteSamples']),

@@ -1,6 +1,9 @@
 // What the stream does, in figures: rate and delay, where a frame's time goes, rays, progress at rest, devices.
 
+import { BarList } from './bar_list.js';
 import { FrameChart } from './chart.js';
+import { deviceColor } from './device_colors.js';
+import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from './dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from './format.js';
 import { Window } from './latency.js';
@@ -31,47 +34,6 @@ const RAY_LABELS: Readonly<Record<string, string>> = {
   refraction: 'Refraction',
   total: 'Total',
 };
-
-/** Colour class of a device, the same everywhere. */
-export function deviceClass(name: string): string {
-  if (name.startsWith('embree')) return 'embree';
-  return name.startsWith('vulkan') ? 'vulkan' : 'remote';
-}
-
-/** A list of name, bar and figure whose rows come and go with the names. */
-class BarList {
-  readonly element = el('div', { class: 'bar-list' });
-  private readonly rows_ = new Map<string, { row: HTMLElement; bar: HTMLElement; value: HTMLElement }>();
-
-  row(name: string, label: string, share: number, text: string, className = '', help = ''): void {
-    let entry = this.rows_.get(name);
-    if (entry === undefined) {
-      const bar = el('span', { class: 'fill' });
-      const value = el('span', { class: 'figure' });
-      const row = el(
-        'div',
-        { class: `bar-row ${className}`, title: help },
-        el('span', { class: 'bar-label' }, label),
-        el('span', { class: 'bar-track' }, bar),
-        value,
-      );
-      entry = { row, bar, value };
-      this.rows_.set(name, entry);
-      this.element.append(row);
-    }
-    entry.bar.style.setProperty('--share', String(Math.min(1, Math.max(0, share))));
-    setText(entry.value, text);
-  }
-
-  /** Removes rows that are not among `names`. */
-  keep(names: readonly string[]): void {
-    for (const [name, entry] of this.rows_) {
-      if (names.includes(name)) continue;
-      entry.row.remove();
-      this.rows_.delete(name);
-    }
-  }
-}
 
 class Figure {
   readonly value = el('span', { class: 'big-value' }, UNKNOWN);
@@ -145,7 +107,7 @@ export class StatsPanel {
     this.refreshSamples();
     this.refreshStages();
     this.refreshRays(this.viewer_.state.stats?.rays ?? {});
-    this.refreshDevices(this.viewer_.state.stats?.tiles ?? {});
+    this.refreshDevices();
     this.refreshFacts();
   }
 
@@ -174,7 +136,8 @@ export class StatsPanel {
     setText(this.delay_.detail, p95 === null ? 'move to measure' : `95 %: ${compact(p95, 0)} ms`);
     setText(this.rays_.value, stats === null ? UNKNOWN : compact(stats.mraysPerSecond));
     setText(this.rays_.detail, stats === null || stats.device === '' ? '\u00a0' : stats.device);
-    this.rays_.detail.className = `big-detail ${deviceClass(stats?.device ?? '')}`;
+    const known = stats !== null && /^(embree|vulkan)/.test(stats.device);
+    this.rays_.detail.style.setProperty('color', known ? deviceColor(stats.device) : '');
   }
 
   private refreshSamples(): void {
@@ -204,17 +167,12 @@ export class StatsPanel {
       decode: this.viewer_.decodeMs.quantile(0.5),
     };
     const longest = Math.max(1, ...Object.values(times).map((time) => time ?? 0));
-    const device = this.viewer_.state.lastFrame?.devices[0] ?? '';
+    const [device, other] = this.viewer_.state.lastFrame?.devices ?? [];
     for (const { name, label, help } of STAGES) {
       const time = times[name] ?? null;
-      this.stages_.row(
-        name,
-        label,
-        (time ?? 0) / longest,
-        milliseconds(time),
-        name === 'render' ? deviceClass(device || 'embree') : '',
-        help,
-      );
+      const alone = name === 'render' && device !== undefined && other === undefined;
+      const color = alone ? deviceColor(device) : '';
+      this.stages_.row(name, { label, share: (time ?? 0) / longest, text: milliseconds(time), color, help });
     }
   }
 
@@ -222,15 +180,17 @@ export class StatsPanel {
     const total = rays['total'] ?? Object.values(rays).reduce((sum, value) => sum + value, 0);
     for (const [name, label] of Object.entries(RAY_LABELS)) {
       const value = rays[name] ?? 0;
-      this.rayList_.row(name, label, total > 0 ? value / total : 0, count(value), name === 'total' ? 'total' : '');
+      const share = name === 'total' ? null : total > 0 ? value / total : 0;
+      this.rayList_.row(name, { label, share, text: count(value) });
     }
   }
 
-  private refreshDevices(tiles: Numbers): void {
-    const total = Object.values(tiles).reduce((sum, value) => sum + value, 0);
-    this.devices_.keep(Object.keys(tiles));
-    for (const [name, value] of Object.entries(tiles)) {
-      this.devices_.row(name, name, total > 0 ? value / total : 0, whole(value), deviceClass(name));
+  private refreshDevices(): void {
+    const { stats } = this.viewer_.state;
+    const rows = stats === null ? [] : deviceRows(stats.tiles, stats.parts);
+    this.devices_.keep(rows.map((row) => row.device));
+    for (const { device, share, text, note } of rows) {
+      this.devices_.row(device, { label: device, share, text, color: deviceColor(device), note });
     }
   }
 
@@ -245,6 +205,18 @@ export class StatsPanel {
     const bad = stats?.nonfiniteSamples ?? 0;
     const entry = this.fact('Non-finite samples', stats === null ? UNKNOWN : whole(bad));
     entry.classList.toggle('bad', bad > 0);
+    const scheduler = this.viewer_.settings.confirmed('device') === 'hybrid' ? (stats?.scheduler ?? null) : null;
+    for (const [label, text] of schedulerFacts(scheduler)) {
+      if (text === null) this.dropFact(label);
+      else this.fact(label, text);
+    }
+  }
+
+  private dropFact(label: string): void {
+    const value = this.factValues_.get(label);
+    value?.previousElementSibling?.remove();
+    value?.remove();
+    this.factValues_.delete(label);
   }
 
   private fact(label: string, text: string): HTMLElement {

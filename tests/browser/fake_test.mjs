@@ -82,6 +82,41 @@ async function hybridSettings(checks, session) {
   });
 }
 
+async function deviceStatistics(checks, session) {
+  const panel = session.page.locator('#statistics-panel');
+  await checks.check(
+    'statistics: share of each device, why one is parked, and the scheduler, in hybrid only',
+    async () => {
+      await session.set('device', 'hybrid');
+      await panel.getByText('parked: it would gain 1.2 % of the frame, less than 3 %').waitFor({ timeout: 5000 });
+      const rows = await panel.locator('.stats-section', { hasText: 'Tiles by device' }).locator('.bar-row').all();
+      const seen = await Promise.all(
+        rows.map(async (row) => {
+          const color = await row.locator('.fill').evaluate((bar) => getComputedStyle(bar).backgroundColor);
+          return `${await row.locator('.bar-label').textContent()} ${await row.locator('.figure').textContent()} ${color}`;
+        }),
+      );
+      const [embree, first, second] = seen;
+      expect(embree === 'embree 34 % rgb(79, 156, 255)', embree);
+      expect(first === 'vulkan:0 66 % rgb(255, 106, 61)', first);
+      expect(second.startsWith('vulkan:1 parked'), second);
+      const facts = await panel.locator('.facts').innerText();
+      for (const text of ['Lost at the end', '0.31 ms', 'Deciding', '42 \u00b5s', 'Batches', '37', 'Given out again'])
+        expect(facts.includes(text), `${text} is missing in ${facts}`);
+      await panel.locator('.panel-body').evaluate((body) => (body.scrollTop = body.scrollHeight));
+      await session.screenshot('hybrid-statistics');
+      await session.set('device', 'embree');
+      await until(
+        'the plain figures',
+        5000,
+        async () => !(await panel.locator('.facts').innerText()).includes('Deciding'),
+      );
+      await until('one device', 5000, async () => (await panel.getByText('vulkan:1').count()) === 0);
+      expect((await panel.getByText('parked').count()) === 0, 'a remark stays');
+    },
+  );
+}
+
 /** Share of pixels (0..1) of the overlay in the colour of Embree, of Vulkan, and untinted; null while it is hidden. */
 const tints = (page) =>
   page.evaluate(() => {
@@ -223,6 +258,7 @@ export async function fakeChecks(checks) {
     if (!(await checks.check('the page shows the fake server\u2019s picture', () => session.start(DESKTOP)))) return;
     await hybridSettings(checks, session);
     await partitionChecks(checks, session);
+    await deviceStatistics(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (fake server)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
     });
