@@ -7,6 +7,7 @@ export interface BarRow {
   readonly share: number | null; // 0..1 of the bar's length; null: no bar
   readonly text: string;
   readonly color?: string; // '': the plain one
+  readonly keyed?: boolean; // the colour stands beside the name too, for bars of length 0
   readonly help?: string;
   readonly note?: string;
 }
@@ -23,11 +24,13 @@ export class BarList {
   private readonly rows_ = new Map<string, Entry>();
 
   /** Adds or changes the row of that name. */
-  row(name: string, { label, share, text, color = '', help = '', note = '' }: BarRow): void {
+  row(name: string, { label, share, text, color = '', keyed = false, help = '', note = '' }: BarRow): void {
     const entry = this.rows_.get(name) ?? this.add(name, label, help);
     entry.bar.style.setProperty('--share', String(Math.min(1, Math.max(0, share ?? 0))));
     entry.bar.style.setProperty('background', color);
     entry.row.classList.toggle('total', share === null);
+    entry.row.classList.toggle('keyed', keyed);
+    entry.row.style.setProperty('--device', color);
     setText(entry.value, text);
     setText(entry.note, note);
     entry.note.hidden = note === '';

@@ -22,13 +22,13 @@ export function deviceRows(tiles: Numbers, parts: readonly DevicePart[]): readon
 }
 
 function partRow({ device, part, reason, mraysPerSecond, share, idleShare }: DevicePart, tiles: number): DeviceRow {
-  const works = part === 'works';
+  const takesPart = part === 'works' || part === 'probes';
   const figures = `${whole(tiles)} ${tiles === 1 ? 'tile' : 'tiles'} · ${compact(mraysPerSecond)} Mrays/s · ${percent(idleShare)} idle`;
   return {
     device,
     share,
-    text: works || part === 'probes' ? percent(share) : part,
-    note: works ? figures : reason === '' ? part : `${part}: ${reason}`,
+    text: takesPart ? percent(share) : part,
+    note: part === 'works' ? figures : part === 'probes' ? `probes: ${reason}` : reason,
   };
 }
 

@@ -190,7 +190,7 @@ export class StatsPanel {
     const rows = stats === null ? [] : deviceRows(stats.tiles, stats.parts);
     this.devices_.keep(rows.map((row) => row.device));
     for (const { device, share, text, note } of rows) {
-      this.devices_.row(device, { label: device, share, text, color: deviceColor(device), note });
+      this.devices_.row(device, { label: device, share, text, color: deviceColor(device), keyed: true, note });
     }
   }
 

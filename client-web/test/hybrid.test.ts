@@ -53,8 +53,8 @@ test('deviceRows: share and figures of who works, the reason of who does not, ti
     [
       ['embree', '34 %', '810 tiles \u00b7 38.7 Mrays/s \u00b7 4.0 % idle'],
       ['vulkan:0', '1.0 %', 'probes: its rate is not known yet'],
-      ['vulkan:1', 'parked', 'parked: it would gain 1.2 %'],
-      ['node-a', 'lost', 'lost'],
+      ['vulkan:1', 'parked', 'it would gain 1.2 %'],
+      ['node-a', 'lost', ''],
       ['raster', '1', ''],
     ],
   );
