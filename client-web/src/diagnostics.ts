@@ -37,6 +37,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
   const read = (): Diagnostics => {
     const { state, settings, controller, motionToPhoton } = viewer;
     const frame = state.lastFrame;
+    const { shown } = viewer.partition;
     return Object.freeze({
       connected: state.connection.name === 'open' && state.hello !== null,
       connection: state.connection.name,
@@ -54,10 +55,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
               final: frame.final,
               devices: [...frame.devices],
             },
-      partition:
-        state.partition === null
-          ? null
-          : { frameId: state.partition.partition.frameId, devices: [...state.partition.partition.devices] },
+      partition: shown === null ? null : { frameId: shown.partition.frameId, devices: [...shown.partition.devices] },
       lastInputId: state.lastInputId,
       framesPresented: state.framesPresented,
       framesDropped: state.framesDropped,

@@ -4,6 +4,7 @@ import { Banner } from './banner.js';
 import { exposeDiagnostics } from './diagnostics.js';
 import { DisplayError } from './display.js';
 import { el, iconButton, setText } from './dom.js';
+import { EffectsPanel } from './effects_panel.js';
 import { HelpDialog } from './help.js';
 import { attachKeyboard, attachPointers } from './input.js';
 import { Panel } from './panel.js';
@@ -64,8 +65,10 @@ function start(): void {
   const group: Panel[] = [];
   const statistics = new Panel('statistics', 'Statistics', group);
   const settings = new Panel('settings', 'Settings', group);
+  const effects = new Panel('effects', 'Effects', group, false);
   new StatsPanel(statistics, viewer);
   new SettingsPanel(settings, viewer);
+  new EffectsPanel(effects, viewer);
 
   const help = new HelpDialog();
   const restore = iconButton('show', 'Show panels', 'F1', 'restore');
@@ -74,7 +77,7 @@ function start(): void {
     if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
   };
   restore.addEventListener('click', togglePanels);
-  const dock = new Dock(viewer, { statistics, settings }, { help: () => help.toggle(), hide: togglePanels });
+  const dock = new Dock(viewer, { statistics, settings, effects }, { help: () => help.toggle(), hide: togglePanels });
   const banner = new Banner(viewer, announce);
   const partition = new PartitionView(viewer, announce);
   page.append(
@@ -82,7 +85,7 @@ function start(): void {
     partition.card,
     new SceneBar(viewer).element,
     statistics.element,
-    settings.element,
+    el('div', { class: 'column' }, settings.element, effects.element),
     dock.element,
     restore,
     banner.element,

@@ -19,6 +19,7 @@ export class Panel {
     private readonly name_: string,
     title: string,
     private readonly group_: Panel[],
+    private readonly openAtFirst_ = true,
   ) {
     const id = uniqueId('panel');
     this.body = el('div', { class: 'panel-body', id });
@@ -53,7 +54,7 @@ export class Panel {
 
   private restore(): void {
     const stored = recall(this.key());
-    this.show(stored === null ? !NARROW.matches : stored === 'open');
+    this.show(stored === null ? this.openAtFirst_ && !NARROW.matches : stored === 'open');
   }
 
   private key(): string {

@@ -46,7 +46,7 @@ export class PartitionView {
   }
 
   private refresh(): void {
-    const shown = this.viewer_.state.partition;
+    const shown = this.viewer_.partition.shown;
     this.overlay.hidden = shown === null;
     this.card.hidden = shown === null;
     if (shown === null) {

@@ -1,4 +1,4 @@
-// The control messages of docs/protocol.md. What comes from the server is checked here (and in frame.ts), so the rest
+// The server's control messages of docs/protocol.md. What comes from the server is checked here (and in frame.ts), so the rest
 // of the page deals with typed values only.
 
 import type { Bounds, Camera } from './camera.js';
@@ -38,7 +38,31 @@ export interface EffectReason {
   readonly name: string;
   readonly calledFor: boolean;
   readonly because: string;
+  readonly setting: string | null; // that switches it
+  readonly help: string;
 }
+
+/** What an effect costs, measured with and without it. */
+export interface EffectCost {
+  readonly name: string;
+  readonly onMs: number;
+  readonly offMs: number;
+  readonly raysOn: number;
+  readonly raysOff: number;
+}
+
+export interface EffectCosts {
+  readonly type: 'effectCosts';
+  readonly state: 'ready';
+  readonly scene: string;
+  readonly device: string;
+  readonly width: number; // pixels of the picture it was measured with
+  readonly height: number;
+  readonly rows: readonly EffectCost[];
+}
+
+export type EffectCostsMessage =
+  EffectCosts | { readonly type: 'effectCosts'; readonly state: 'measuring'; readonly share: number };
 
 export interface SceneReady {
   readonly camera: Camera;
@@ -122,6 +146,7 @@ export type ServerMessage =
   | SceneMessage
   | Stats
   | Partition
+  | EffectCostsMessage
   | { readonly type: 'settings'; readonly values: SettingValues; readonly inputId: number | null }
   | { readonly type: 'path'; readonly playing: boolean; readonly result: PathResult | null }
   | { readonly type: 'notice'; readonly text: string }
@@ -219,6 +244,32 @@ function sceneReadyOf(fields: Fields): SceneReady {
         name: textOf(effect['name']),
         calledFor: effect['calledFor'] === true,
         because: textOf(effect['because']),
+        setting: textOf(effect['setting']) || null,
+        help: textOf(effect['help']),
+      };
+    }),
+  };
+}
+
+function effectCostsOf(fields: Fields): EffectCostsMessage {
+  const state = fields['state'];
+  if (state === 'measuring') return { type: 'effectCosts', state, share: numberOf(fields['share']) };
+  if (state !== 'ready') throw new ProtocolError(`effectCosts.state: ${String(state)}, allowed: measuring, ready`);
+  return {
+    type: 'effectCosts',
+    state,
+    scene: textOf(fields['scene']),
+    device: textOf(fields['device']),
+    width: numberOf(fields['width']),
+    height: numberOf(fields['height']),
+    rows: listOf(fields['rows']).map((entry) => {
+      const row = fieldsOf(entry);
+      return {
+        name: textOf(row['name']),
+        onMs: numberOf(row['onMs']),
+        offMs: numberOf(row['offMs']),
+        raysOn: numberOf(row['raysOn']),
+        raysOff: numberOf(row['raysOff']),
       };
     }),
   };
@@ -310,6 +361,8 @@ export function parseMessage(text: string): ServerMessage | null {
       return sceneOf(fields);
     case 'stats':
       return statsOf(fields);
+    case 'effectCosts':
+      return effectCostsOf(fields);
     case 'partition':
       return partitionOf(fields);
     case 'settings':
@@ -331,17 +384,3 @@ export function parseMessage(text: string): ServerMessage | null {
       return null;
   }
 }
-
-export type PictureFormat = 'png' | 'exr' | 'jpg';
-
-/** What the viewer may say. */
-export type ViewerMessage =
-  | ({ type: 'camera'; inputId: number; moving: boolean } & Camera)
-  | { type: 'settings'; inputId: number; values: SettingValues }
-  | { type: 'resolution'; inputId: number; width: number; height: number }
-  | { type: 'scene'; name: string }
-  | { type: 'ack'; frameId: number; presentedMs: number | null }
-  | { type: 'picture'; format: PictureFormat }
-  | { type: 'path'; playing: boolean }
-  | { type: 'ping'; time: number }
-  | { type: 'token'; token: string };

@@ -93,10 +93,7 @@ export class SettingsPanel {
 
   private field(row: SettingRow): SettingField {
     const field = new SettingField(row, {
-      changed: (value) => {
-        this.viewer_.setSettings({ [row.name]: value });
-        this.refresh();
-      },
+      changed: (value) => this.viewer_.setSettings({ [row.name]: value }),
       invalid: (message) => {
         this.viewer_.settings.reject(row.name, message);
         this.refresh();
@@ -141,10 +138,7 @@ export class SettingsPanel {
 
   private resetButton(): HTMLElement {
     const button = el('button', { type: 'button', class: 'wide-button' }, icon('reset'), 'Reset to defaults');
-    button.addEventListener('click', () => {
-      this.viewer_.setSettings(this.viewer_.settings.defaults());
-      this.refresh();
-    });
+    button.addEventListener('click', () => this.viewer_.setSettings(this.viewer_.settings.defaults()));
     return button;
   }
 

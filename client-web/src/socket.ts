@@ -1,6 +1,7 @@
 // The connection: opens the WebSocket, keeps it alive, and opens it again after it was lost.
 
-import { PROTOCOL, type ViewerMessage } from './protocol.js';
+import { PROTOCOL } from './protocol.js';
+import type { ViewerMessage } from './viewer_message.js';
 
 export type ConnectionState =
   | { readonly name: 'connecting' }

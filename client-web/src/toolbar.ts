@@ -1,6 +1,6 @@
 // The two bars over the picture: scene and viewpoint at the top, actions in the dock at the bottom.
 
-import { el, icon, iconButton, setText, uniqueId } from './dom.js';
+import { el, icon, iconButton, setText, uniqueId, type IconName } from './dom.js';
 import { count, whole } from './format.js';
 import { Menu, type MenuItem } from './menu.js';
 import type { Panel } from './panel.js';
@@ -151,7 +151,7 @@ export class Dock {
 
   constructor(
     private readonly viewer_: Viewer,
-    panels: { readonly statistics: Panel; readonly settings: Panel },
+    panels: { readonly statistics: Panel; readonly settings: Panel; readonly effects: Panel },
     hooks: DockHooks,
   ) {
     const help = iconButton('help', 'Help', 'H', 'tool');
@@ -171,6 +171,7 @@ export class Dock {
       separator(),
       this.panelButton('chart', 'Stats', panels.statistics),
       this.panelButton('sliders', 'Settings', panels.settings),
+      this.panelButton('sparkle', 'Effects', panels.effects),
       separator(),
       help,
       hide,
@@ -185,7 +186,7 @@ export class Dock {
     this.viewer_.controller.setMode(this.viewer_.controller.mode === 'fly' ? 'orbit' : 'fly');
   }
 
-  private panelButton(name: 'chart' | 'sliders', label: string, panel: Panel): HTMLButtonElement {
+  private panelButton(name: IconName, label: string, panel: Panel): HTMLButtonElement {
     const button = iconButton(name, label, '', 'tool');
     button.addEventListener('click', () => panel.setOpen(!panel.isOpen));
     panel.onToggle((open) => button.setAttribute('aria-pressed', String(open)));

@@ -5,15 +5,14 @@
 import { CameraController } from './camera_controller.js';
 import type { Camera } from './camera.js';
 import { Display, type Presentation } from './display.js';
+import { EffectCostModel } from './effect_costs.js';
 import { MotionToPhoton, RateMeter, Window } from './latency.js';
-import { PartitionStore, type Partition } from './partition.js';
 import { parseFrame, ProtocolError, type Frame } from './frame.js';
 import {
   parseMessage,
   PROTOCOL,
   type Hello,
   type PathResult,
-  type PictureFormat,
   type SceneMessage,
   type SceneReady,
   type ServerMessage,
@@ -22,7 +21,9 @@ import {
 } from './protocol.js';
 import { pictureSize, type ResolutionMode } from './resolution.js';
 import { SettingsModel } from './settings_model.js';
+import { ShownPartition } from './shown_partition.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
+import type { PictureFormat } from './viewer_message.js';
 import { Connection, socketUrl, tokenOf, type ConnectionState } from './socket.js';
 
 /** After a reconnect: the scene that was shown before, and the server's words on others meanwhile. */
@@ -40,6 +41,11 @@ export class Viewer {
   readonly state: ViewerState;
   readonly settings = new SettingsModel();
   readonly controller: CameraController;
+  readonly partition = new ShownPartition(
+    () => this.settings.value('showPartition') === true,
+    () => this.emit('partition'),
+  );
+  readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
   readonly motionToPhoton = new MotionToPhoton(240);
   readonly frameIntervals = new Window(120); // ms between presented frames
   readonly decodeMs = new Window(STAGES_KEPT);
@@ -59,7 +65,6 @@ export class Viewer {
   private readonly display_: Display;
   private restTimer_ = 0;
   private resizeTimer_ = 0;
-  private readonly partitions_ = new PartitionStore();
   private restoring_: Restoring | null = null;
   private pendingSettings_: Record<string, SettingValue> | null = null;
 
@@ -68,7 +73,7 @@ export class Viewer {
     resolutionMode: ResolutionMode,
   ) {
     this.display_ = new Display(canvas_, {
-      drawn: (frame) => this.showPartition(frame, this.partitions_.take(frame.frameId)),
+      drawn: (frame) => this.partition.drawn(frame),
       presented: (presentation) => this.presented(presentation),
       dropped: (frame, reason) => this.dropped(frame, reason),
     });
@@ -110,7 +115,8 @@ export class Viewer {
     }
     Object.assign(this.pendingSettings_, values);
     this.settings.change(values, this.state.lastInputId + 1);
-    this.keepPartition();
+    this.partition.settingsChanged();
+    this.emit('settings');
   }
 
   /** Shows or hides who made which part of the picture. */
@@ -121,7 +127,6 @@ export class Viewer {
       return;
     }
     this.setSettings({ showPartition: shown !== true });
-    this.emit('settings');
   }
 
   setResolutionMode(mode: ResolutionMode): void {
@@ -145,6 +150,13 @@ export class Viewer {
     this.state.picturesAwaited += 1;
     this.connection_.send({ type: 'picture', format });
     this.emit('frame');
+  }
+
+  /** Asks what each effect costs here; the answer comes as state `effectCosts`. */
+  measureEffects(): void {
+    if (!this.connection_.isOpen || this.state.ready === null || this.effectCosts.state.name === 'measuring') return;
+    this.connection_.send({ type: 'effectCosts' });
+    this.effectCosts.asked();
   }
 
   resetView(): void {
@@ -175,7 +187,8 @@ export class Viewer {
       this.roundTrips.clear();
     } else if (state.name === 'waiting' || state.name === 'stopped') {
       this.display_.reset();
-      this.forgetPartitions();
+      this.partition.forget();
+      this.effectCosts.disconnected();
       this.motionToPhoton.reset();
       this.state.picturesAwaited = 0;
       this.state.pathPlaying = false;
@@ -196,10 +209,12 @@ export class Viewer {
         return this.scene(message);
       case 'settings':
         this.settings.echo(message.values, message.inputId);
-        this.keepPartition();
+        this.partition.settingsChanged();
         return this.emit('settings');
+      case 'effectCosts':
+        return this.effectCosts.answered(message, this.state.readyName);
       case 'partition':
-        return this.partitions_.put(message);
+        return this.partition.received(message);
       case 'stats':
         this.state.stats = message;
         return this.emit('stats');
@@ -275,8 +290,9 @@ export class Viewer {
   private sceneReady(name: string, ready: SceneReady): void {
     const restored = this.restoring_?.scene === name;
     this.restoring_ = null;
-    this.forgetPartitions();
+    this.partition.forget();
     this.state.ready = ready;
+    if (this.state.readyName !== name) this.effectCosts.sceneChanged();
     this.state.readyName = name;
     this.state.pathResult = null;
     this.controller.setScene(ready.bounds, ready.radius);
@@ -298,6 +314,7 @@ export class Viewer {
     if (about === 'picture') this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
     const names = about === 'settings' ? this.settings.refused(message, inputId) : [];
     if (about === 'scene') this.giveUpRestoring();
+    if (about === 'effectCosts') return this.effectCosts.refused(message);
     if (names.length === 0) this.onMessage({ kind: 'error', text: message });
     this.emit('settings');
     this.emit('frame');
@@ -338,24 +355,6 @@ export class Viewer {
     if (reason === 'undecodable') {
       this.onMessage({ kind: 'error', text: `Frame ${frame.frameId} could not be decoded (${frame.codec}).` });
     }
-  }
-
-  private showPartition(frame: Frame, partition: Partition | null): void {
-    const wanted = partition !== null && this.settings.value('showPartition') === true;
-    if (!wanted && this.state.partition === null) return;
-    this.state.partition = wanted ? { partition, frame } : null;
-    this.emit('partition');
-  }
-
-  /** Hides the partition at once when it is no longer wanted. */
-  private keepPartition(): void {
-    const shown = this.state.partition;
-    if (shown !== null) this.showPartition(shown.frame, shown.partition);
-  }
-
-  private forgetPartitions(): void {
-    this.partitions_.clear();
-    if (this.state.lastFrame !== null) this.showPartition(this.state.lastFrame, null);
   }
 
   private sendCamera(camera: Camera, moving: boolean, eventTime: number): void {

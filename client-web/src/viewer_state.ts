@@ -2,12 +2,21 @@
 
 import type { Frame } from './frame.js';
 import type { Hello, PathResult, SceneMessage, SceneReady, Stats } from './protocol.js';
-import type { Partition } from './partition.js';
 import type { PictureSize, ResolutionMode } from './resolution.js';
 import type { ConnectionState } from './socket.js';
 
 export type Topic =
-  'connection' | 'hello' | 'scene' | 'settings' | 'stats' | 'path' | 'frame' | 'partition' | 'camera' | 'resolution';
+  | 'connection'
+  | 'hello'
+  | 'scene'
+  | 'settings'
+  | 'stats'
+  | 'path'
+  | 'frame'
+  | 'partition'
+  | 'effectCosts'
+  | 'camera'
+  | 'resolution';
 
 export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
 
@@ -21,8 +30,6 @@ export interface ViewerState {
   pathPlaying: boolean;
   pathResult: PathResult | null;
   lastFrame: Frame | null; // the newest that was presented
-  /** With the size of its picture; of the picture on the screen, null where none came with it or it is not wanted. */
-  partition: { readonly partition: Partition; readonly frame: Frame } | null;
   framesPresented: number;
   framesDropped: number;
   lastInputId: number;
@@ -42,7 +49,6 @@ export function initialState(resolutionMode: ResolutionMode): ViewerState {
     pathPlaying: false,
     pathResult: null,
     lastFrame: null,
-    partition: null,
     framesPresented: 0,
     framesDropped: 0,
     lastInputId: 0,

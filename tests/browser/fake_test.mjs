@@ -223,6 +223,68 @@ async function partitionChecks(checks, session) {
   });
 }
 
+async function effectChecks(checks, session) {
+  const { page } = session;
+  const panel = page.locator('#effects-panel');
+  const effect = (name) => panel.locator(`[data-effect="${name}"]`);
+  await checks.check('effects: what the scene calls for comes first, with reasons and rays', async () => {
+    await page.locator('.dock').getByRole('button', { name: 'Effects' }).click();
+    const names = await panel.locator('.effect-name').allTextContents();
+    const off = names.indexOf('Refractions');
+    expect(names[0] === 'Shadows' && off > names.indexOf('Emission'), names.join(', '));
+    const state = await effect('refractions').locator('.effect-state').textContent();
+    expect(state === 'off: no transmissive material', state);
+    const figures = await effect('shadows').locator('.effect-figures').textContent();
+    expect(figures === '2.31 M rays', figures);
+    expect(await effect('textures').locator('.effect-figures').isHidden(), 'a figure at textures');
+    expect((await effect('textures').locator('input').count()) === 0, 'a switch at textures');
+    const covered = [...(await badControls(page)), ...(await overlaps(page))];
+    expect(covered.length === 0, covered.join('\n'));
+  });
+  await checks.check('effects: a switch is the one of the settings panel', async () => {
+    const input = effect('reflections').locator('input');
+    await input.focus();
+    await page.keyboard.press('Space');
+    expect(!(await session.field('reflections').locator('input[role=switch]').isChecked()), 'the settings panel lags');
+    await until('the echo', 5000, async () => (await session.state()).settings.reflections === false);
+    const state = await effect('reflections').locator('.effect-state').textContent();
+    expect(state.startsWith('switched off, the scene calls for it'), state);
+    await session.set('reflections', true);
+    expect(await input.isChecked(), 'the effects panel does not follow');
+    const shared = await effect('transparentShadows').locator('input').getAttribute('aria-label');
+    expect(shared.includes('switched with Shadows'), shared);
+  });
+  await checks.check('effects: costs are measured on demand', async () => {
+    const button = panel.locator('.measure');
+    await session.ask('/received');
+    await button.click();
+    expect((await session.received('effectCosts')).length === 1, 'the server was not asked once');
+    await panel.getByText('Measuring … 50 %').waitFor({ timeout: 5000 });
+    expect(await button.isDisabled(), 'the button can be pressed again');
+    await panel.getByText('Measured on embree at 320 × 180 pixels').waitFor({ timeout: 5000 });
+    const figures = await effect('shadows').locator('.effect-figures').textContent();
+    expect(figures === '2.31 M rays · costs 5.20 ms (21.40 with, 16.20 without)', figures);
+    await panel.locator('.panel-body').evaluate((body) => (body.scrollTop = 0));
+    await session.screenshot('effects');
+    await session.ask('/control?costs=error');
+    await button.click();
+    await panel.getByText('effectCosts: the device is busy, try again').waitFor({ timeout: 5000 });
+    expect(await button.isEnabled(), 'the button stays disabled');
+    expect((await page.locator('.toast.error').count()) === 0, 'the refusal is told twice');
+    await session.ask('/control?costs=ready');
+  });
+  await checks.check('effects: another scene has its own costs', async () => {
+    await panel.locator('.measure').click();
+    await panel.getByText('Measured on embree').waitFor({ timeout: 5000 });
+    await page.locator('.picker').click();
+    await page.getByRole('menuitemradio', { name: /^Cornell/ }).click();
+    await session.shown('cornell');
+    const figures = await effect('shadows').locator('.effect-figures').textContent();
+    expect(!figures.includes('costs'), figures);
+    await page.locator('.dock').getByRole('button', { name: 'Effects' }).click();
+  });
+}
+
 async function phoneChecks(checks) {
   const session = new Session();
   try {
@@ -235,7 +297,7 @@ async function phoneChecks(checks) {
       await page.touchscreen.tap(box.x + box.width * (1.2 / 12.4), box.y + (box.height * 2.5) / 7);
       const words = await page.locator('.timeline-words').textContent();
       expect(words.startsWith('embree worker 2: 14 cells'), words);
-      for (const label of ['Stats', 'Settings']) {
+      for (const label of ['Stats', 'Settings', 'Effects']) {
         await page.locator('.dock').getByRole('button', { name: label }).tap();
         await pause(300);
         const bad = [...(await badControls(page)), ...(await overlaps(page))];
@@ -259,6 +321,7 @@ export async function fakeChecks(checks) {
     await hybridSettings(checks, session);
     await partitionChecks(checks, session);
     await deviceStatistics(checks, session);
+    await effectChecks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (fake server)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
     });
