@@ -22,6 +22,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
       [['Drag'], 'look, or turn around the scene in orbit mode'],
       [['Right drag', 'Shift drag'], 'pan'],
       [['Wheel'], 'come nearer, go back'],
+      [['Double click'], 'focus there, where the camera has a lens'],
     ],
   },
   {
@@ -29,6 +30,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     rows: [
       [['One finger'], 'look or orbit'],
       [['Two fingers'], 'pan; pinch to come nearer'],
+      [['Long press'], 'focus there, where the camera has a lens'],
     ],
   },
   {

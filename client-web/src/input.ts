@@ -1,6 +1,7 @@
 // Mouse, touch, pen and keyboard on the picture, handed on as the controller's terms.
 
 import type { CameraController, HeldAction } from './camera_controller.js';
+import { LongPress } from './long_press.js';
 
 const HELD_KEYS: Readonly<Record<string, HeldAction>> = {
   KeyW: 'forward',
@@ -109,12 +110,19 @@ class PointerTracker {
   }
 }
 
-export function attachPointers(canvas: HTMLCanvasElement, controller: CameraController): void {
+/** `pick` gets the place, in CSS pixels of the window, of a double click or a long press. */
+export function attachPointers(
+  canvas: HTMLCanvasElement,
+  controller: CameraController,
+  pick: (x: number, y: number) => void,
+): void {
   const tracker = new PointerTracker(canvas, controller);
   canvas.addEventListener('pointerdown', (event) => tracker.down(event));
   canvas.addEventListener('pointermove', (event) => tracker.move(event));
   canvas.addEventListener('pointerup', (event) => tracker.up(event));
   canvas.addEventListener('pointercancel', (event) => tracker.up(event));
+  canvas.addEventListener('dblclick', (event) => pick(event.clientX, event.clientY));
+  attachLongPress(canvas, pick);
   canvas.addEventListener('contextmenu', (event) => event.preventDefault());
   canvas.addEventListener(
     'wheel',
@@ -129,5 +137,35 @@ export function attachPointers(canvas: HTMLCanvasElement, controller: CameraCont
       controller.wheel(event.deltaY * unit, event.timeStamp);
     },
     { passive: false },
+  );
+}
+
+function attachLongPress(canvas: HTMLCanvasElement, pick: (x: number, y: number) => void): void {
+  let timer = 0;
+  const press: LongPress = new LongPress({
+    after: (ms) => {
+      window.clearTimeout(timer);
+      if (ms !== null) timer = window.setTimeout(() => press.elapsed(), ms);
+    },
+    pressed: pick,
+  });
+  const byTouch = (handle: (event: PointerEvent) => void) => (event: PointerEvent) => {
+    if (event.pointerType !== 'mouse') handle(event);
+  };
+  canvas.addEventListener(
+    'pointerdown',
+    byTouch((event) => press.down(event.clientX, event.clientY)),
+  );
+  canvas.addEventListener(
+    'pointermove',
+    byTouch((event) => press.move(event.clientX, event.clientY)),
+  );
+  canvas.addEventListener(
+    'pointerup',
+    byTouch(() => press.up()),
+  );
+  canvas.addEventListener(
+    'pointercancel',
+    byTouch(() => press.up()),
   );
 }

@@ -94,7 +94,7 @@ function start(): void {
     help.element,
   );
 
-  attachPointers(canvas, viewer.controller);
+  attachPointers(canvas, viewer.controller, (x, y) => viewer.focusAt(x, y));
   attachKeyboard(viewer.controller, {
     F1: togglePanels,
     F2: () => viewer.togglePath(),

@@ -7,6 +7,7 @@ import type { Camera } from './camera.js';
 import { Display, type Presentation } from './display.js';
 import { EffectCostModel } from './effect_costs.js';
 import { MotionToPhoton, RateMeter, Window } from './latency.js';
+import { pictureBox, placeInPicture } from './picture_box.js';
 import { parseFrame, ProtocolError, type Frame } from './frame.js';
 import {
   parseMessage,
@@ -157,6 +158,15 @@ export class Viewer {
     if (!this.connection_.isOpen || this.state.ready === null || this.effectCosts.state.name === 'measuring') return;
     this.connection_.send({ type: 'effectCosts' });
     this.effectCosts.asked();
+  }
+
+  /** Asks for a sharp picture at this place of the window, CSS pixels; for servers with a lens only. */
+  focusAt(x: number, y: number): void {
+    const frame = this.state.lastFrame;
+    if (frame === null || this.settings.value('focusDistance') === undefined) return;
+    const window = this.canvas_.getBoundingClientRect();
+    const place = placeInPicture(pictureBox(frame.width, frame.height, window.width, window.height), x, y);
+    if (place !== null) this.connection_.send({ type: 'focus', inputId: this.nextInputId(), ...place });
   }
 
   resetView(): void {

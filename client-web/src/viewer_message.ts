@@ -14,5 +14,6 @@ export type ViewerMessage =
   | { type: 'picture'; format: PictureFormat }
   | { type: 'path'; playing: boolean }
   | { type: 'effectCosts' }
+  | { type: 'focus'; inputId: number; x: number; y: number } // 0..1 of the picture, from its top left corner
   | { type: 'ping'; time: number }
   | { type: 'token'; token: string };

@@ -2,6 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { CameraController } from '../src/camera_controller.js';
 import { DEFAULT_CAMERA, type Camera } from '../src/camera.js';
+import { LONG_PRESS_MS, LongPress } from '../src/long_press.js';
 import { length, subtract } from '../src/vector.js';
 
 /** A controller whose animation frames and pauses the test runs by hand. */
@@ -124,4 +125,40 @@ test('CameraController: jump is sent at once as resting, resend repeats it', () 
       [camera, false],
     ],
   );
+});
+
+/** What a long press says after each step; `elapsed` only where a timer runs. */
+function press(steps: (finger: LongPress) => void): readonly (readonly [number, number])[] {
+  const pressed: (readonly [number, number])[] = [];
+  let timer: number | null = null;
+  const finger = new LongPress({ after: (ms) => (timer = ms), pressed: (x, y) => pressed.push([x, y]) });
+  steps(finger);
+  if (timer === LONG_PRESS_MS) finger.elapsed();
+  return pressed;
+}
+
+test('LongPress: one resting finger counts at the place where it came down', () => {
+  const resting = press((finger) => {
+    finger.down(50, 60);
+    finger.move(55, 63);
+  });
+  assert.deepEqual(resting, [[50, 60]]);
+});
+
+test('LongPress: dragging, letting go and a second finger are none', () => {
+  const dragging = press((finger) => {
+    finger.down(50, 60);
+    finger.move(62, 60);
+    finger.move(50, 60);
+  });
+  const letGo = press((finger) => {
+    finger.down(50, 60);
+    finger.up();
+  });
+  const pinching = press((finger) => {
+    finger.down(50, 60);
+    finger.down(90, 60);
+    finger.up();
+  });
+  assert.deepEqual([dragging, letGo, pinching], [[], [], []]);
 });

@@ -285,6 +285,43 @@ async function effectChecks(checks, session) {
   });
 }
 
+async function focusChecks(checks, session) {
+  const { page } = session;
+  await checks.check('a double click focuses there, in parts of the picture', async () => {
+    await session.ask('/received');
+    await page.mouse.dblclick(720, 600);
+    await until('the focus distance', 5000, async () => (await session.state()).settings.focusDistance !== 5);
+    const messages = await session.received('focus');
+    expect(messages.length === 1, `${messages.length} messages`);
+    const [{ x, y, inputId }] = messages;
+    expect(Math.abs(x - 0.5) < 1e-3 && Math.abs(y - 2 / 3) < 1e-3, `${x} ${y}`);
+    expect(inputId === (await session.state()).lastInputId, `input ${inputId}`);
+  });
+}
+
+/** A server without a lens: the same gesture says nothing. */
+async function noLensCheck(checks) {
+  const session = new Session();
+  try {
+    await checks.check('without a setting for it, a double click says nothing', async () => {
+      await session.start(DESKTOP, {}, { HELIOGRAPH_FAKE_OMIT: 'focusDistance,aperture' });
+      expect(!('focusDistance' in (await session.state()).settings), 'the setting was not left out');
+      await session.ask('/received');
+      await session.page.mouse.dblclick(720, 450);
+      await session.page.keyboard.press('r'); // something that is answered
+      await session.shown('cornell');
+      const messages = JSON.parse(await session.ask('/received'));
+      expect(
+        messages.some(({ type }) => type === 'camera'),
+        'nothing arrived at all',
+      );
+      expect(!messages.some(({ type }) => type === 'focus'), 'a focus message was sent');
+    });
+  } finally {
+    await session.stop();
+  }
+}
+
 async function phoneChecks(checks) {
   const session = new Session();
   try {
@@ -305,6 +342,25 @@ async function phoneChecks(checks) {
         await session.screenshot(`fake-phone-${label.toLowerCase()}`);
       }
     });
+    await checks.check('phone: a long press focuses there', async () => {
+      await session.ask('/received');
+      const canvas = session.page.locator('body > canvas');
+      const fire = (type, x) =>
+        canvas.evaluate(
+          (element, [name, clientX]) => {
+            element.setPointerCapture = () => undefined; // synthetic pointers cannot be captured
+            const pointer = { pointerId: 1, pointerType: 'touch', isPrimary: true, bubbles: true };
+            element.dispatchEvent(new PointerEvent(name, { ...pointer, clientX, clientY: 211 }));
+          },
+          [type, x],
+        );
+      await fire('pointerdown', 195);
+      await until('the message', 5000, async () => {
+        const [focus] = await session.received('focus');
+        return focus !== undefined && Math.abs(focus.x - 0.5) < 2e-3 && Math.abs(focus.y - 0.25) < 2e-3;
+      });
+      await fire('pointerup', 195);
+    });
     await checks.check('nothing was wrong in the browser\u2019s console (phone)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
     });
@@ -322,12 +378,14 @@ export async function fakeChecks(checks) {
     await partitionChecks(checks, session);
     await deviceStatistics(checks, session);
     await effectChecks(checks, session);
+    await focusChecks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (fake server)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
     });
   } finally {
     await session.stop();
   }
+  await noLensCheck(checks);
   await phoneChecks(checks);
 }
 
