@@ -35,7 +35,8 @@ declare global {
 
 export function exposeDiagnostics(viewer: Viewer): void {
   const read = (): Diagnostics => {
-    const { state, settings, controller, motionToPhoton } = viewer;
+    const { state, settings, controller } = viewer;
+    const { motionToPhoton } = viewer.stream;
     const frame = state.lastFrame;
     const { shown } = viewer.partition;
     return Object.freeze({

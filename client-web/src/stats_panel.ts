@@ -103,7 +103,7 @@ export class StatsPanel {
     this.refreshSummary(rate);
     if (!this.panel_.isOpen) return;
     this.refreshFigures(rate);
-    this.chart_.draw(this.viewer_.frameIntervals.values);
+    this.chart_.draw(this.viewer_.stream.frameIntervals.values);
     this.refreshSamples();
     this.refreshStages();
     this.refreshRays(this.viewer_.state.stats?.rays ?? {});
@@ -114,13 +114,15 @@ export class StatsPanel {
   /** Frames shown per second, null while the picture rests. */
   private shownRate(): number | null {
     const now = performance.now();
-    return now - this.viewer_.lastPresentedAt > IDLE_AFTER ? null : this.viewer_.presentedRate.events(now);
+    return now - this.viewer_.stream.lastPresentedAt > IDLE_AFTER
+      ? null
+      : this.viewer_.stream.presentedRate.events(now);
   }
 
   private refreshSummary(rate: number | null): void {
     const { lastFrame, connection } = this.viewer_.state;
     if (connection.name !== 'open' || lastFrame === null) return setText(this.panel_.summary, 'no picture yet');
-    const median = this.viewer_.motionToPhoton.window.quantile(0.5);
+    const median = this.viewer_.stream.motionToPhoton.window.quantile(0.5);
     const parts = [rate === null ? 'at rest' : `${rate.toFixed(0)} /s`, median === null ? '' : milliseconds(median)];
     setText(this.panel_.summary, parts.filter((part) => part !== '').join(' · '));
   }
@@ -129,7 +131,7 @@ export class StatsPanel {
     const { stats } = this.viewer_.state;
     setText(this.rate_.value, rate === null ? UNKNOWN : rate.toFixed(0));
     setText(this.rate_.detail, rate === null ? 'at rest' : 'shown');
-    const window = this.viewer_.motionToPhoton.window;
+    const window = this.viewer_.stream.motionToPhoton.window;
     const median = window.quantile(0.5);
     const p95 = window.quantile(0.95);
     setText(this.delay_.value, median === null ? UNKNOWN : compact(median, 0));
@@ -151,7 +153,7 @@ export class StatsPanel {
   }
 
   private refreshStages(): void {
-    const frames = this.viewer_.recentFrames;
+    const frames = this.viewer_.stream.recentFrames;
     const median = (value: (frame: Frame) => number): number | null => {
       const window = new Window(frames.length + 1);
       for (const frame of frames) window.push(value(frame));
@@ -163,8 +165,8 @@ export class StatsPanel {
       develop: median((frame) => frame.developMs),
       encode: median((frame) => frame.encodeMs),
       send: median((frame) => frame.sendMs),
-      network: this.viewer_.roundTrips.quantile(0.5),
-      decode: this.viewer_.decodeMs.quantile(0.5),
+      network: this.viewer_.stream.roundTrips.quantile(0.5),
+      decode: this.viewer_.stream.decodeMs.quantile(0.5),
     };
     const longest = Math.max(1, ...Object.values(times).map((time) => time ?? 0));
     const [device, other] = this.viewer_.state.lastFrame?.devices ?? [];
@@ -196,7 +198,7 @@ export class StatsPanel {
 
   private refreshFacts(): void {
     const { stats, lastFrame } = this.viewer_.state;
-    const rate = this.viewer_.receivedRate.amount(performance.now());
+    const rate = this.viewer_.stream.receivedRate.amount(performance.now());
     this.fact('Picture', lastFrame === null ? UNKNOWN : `${lastFrame.width} × ${lastFrame.height} px`);
     this.fact('Data rate', `${((rate * 8) / 1e6).toFixed(1)} Mbit/s`);
     this.fact('Beside tracing', stats === null ? UNKNOWN : `${percent(stats.overheadShare)} of a frame`);

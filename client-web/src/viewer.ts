@@ -6,7 +6,6 @@ import { CameraController } from './camera_controller.js';
 import type { Camera } from './camera.js';
 import { Display, type Presentation } from './display.js';
 import { EffectCostModel } from './effect_costs.js';
-import { MotionToPhoton, RateMeter, Window } from './latency.js';
 import { pictureBox, placeInPicture } from './picture_box.js';
 import { parseFrame, ProtocolError, type Frame } from './frame.js';
 import {
@@ -25,6 +24,7 @@ import { SettingsModel } from './settings_model.js';
 import { ShownPartition } from './shown_partition.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat } from './viewer_message.js';
+import { StreamMeter } from './stream_meter.js';
 import { Connection, socketUrl, tokenOf, type ConnectionState } from './socket.js';
 
 /** After a reconnect: the scene that was shown before, and the server's words on others meanwhile. */
@@ -35,8 +35,6 @@ interface Restoring {
 }
 
 const RESIZE_DELAY = 150; // ms
-const PAUSE = 1000; // ms
-const STAGES_KEPT = 30; // frames
 
 export class Viewer {
   readonly state: ViewerState;
@@ -47,15 +45,7 @@ export class Viewer {
     () => this.emit('partition'),
   );
   readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
-  readonly motionToPhoton = new MotionToPhoton(240);
-  readonly frameIntervals = new Window(120); // ms between presented frames
-  readonly decodeMs = new Window(STAGES_KEPT);
-  readonly roundTrips = new Window(5); // ms
-  readonly presentedRate = new RateMeter(1000);
-  readonly receivedRate = new RateMeter(2000); // bytes
-  readonly recentFrames: Frame[] = []; // newest last, at most STAGES_KEPT
-
-  lastPresentedAt = -Infinity; // performance.now()
+  readonly stream = new StreamMeter();
 
   /** Set by the page. */
   onMessage: (message: Message) => void = () => undefined;
@@ -194,12 +184,12 @@ export class Viewer {
   private connectionChanged(state: ConnectionState): void {
     this.state.connection = state;
     if (state.name === 'open') {
-      this.roundTrips.clear();
+      this.stream.roundTrips.clear();
     } else if (state.name === 'waiting' || state.name === 'stopped') {
       this.display_.reset();
       this.partition.forget();
       this.effectCosts.disconnected();
-      this.motionToPhoton.reset();
+      this.stream.motionToPhoton.reset();
       this.state.picturesAwaited = 0;
       this.state.pathPlaying = false;
       this.state.scene = null; // until the server says what it shows
@@ -235,7 +225,7 @@ export class Viewer {
       case 'error':
         return this.error(message.message, message.about, message.inputId);
       case 'pong':
-        return this.roundTrips.push(performance.now() - message.time);
+        return this.stream.roundTrips.push(performance.now() - message.time);
     }
   }
 
@@ -332,7 +322,7 @@ export class Viewer {
 
   private binary(buffer: ArrayBuffer): void {
     const frame = parseFrame(buffer);
-    this.receivedRate.push(performance.now(), buffer.byteLength);
+    this.stream.receivedRate.push(performance.now(), buffer.byteLength);
     if (frame.kind === 'frame') {
       // While the scene from before a reconnect is on its way, frames show the server's own: not what was looked at.
       if (this.restoring_ !== null) this.dropped(frame, 'newer');
@@ -345,17 +335,10 @@ export class Viewer {
   }
 
   private presented({ frame, decodeMs, time }: Presentation): void {
-    const latency = this.motionToPhoton.presented(frame.inputId, time);
+    const latency = this.stream.presented(frame, decodeMs, time);
     this.connection_.send({ type: 'ack', frameId: frame.frameId, presentedMs: latency });
     this.state.lastFrame = frame;
     this.state.framesPresented += 1;
-    this.decodeMs.push(decodeMs);
-    this.recentFrames.push(frame);
-    if (this.recentFrames.length > STAGES_KEPT) this.recentFrames.shift();
-    this.presentedRate.push(time, 1);
-    // A pause between inputs is no slow frame.
-    if (time - this.lastPresentedAt < PAUSE) this.frameIntervals.push(time - this.lastPresentedAt);
-    this.lastPresentedAt = time;
     this.emit('frame');
   }
 
@@ -369,7 +352,7 @@ export class Viewer {
 
   private sendCamera(camera: Camera, moving: boolean, eventTime: number): void {
     const inputId = this.nextInputId();
-    if (this.connection_.isOpen) this.motionToPhoton.sent(inputId, eventTime);
+    if (this.connection_.isOpen) this.stream.motionToPhoton.sent(inputId, eventTime);
     this.connection_.send({ type: 'camera', inputId, moving, ...camera });
   }
 

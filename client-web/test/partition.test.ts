@@ -12,6 +12,7 @@ import {
 } from '../src/partition.js';
 import { pictureBox, placeInPicture } from '../src/picture_box.js';
 import { parseMessage } from '../src/protocol.js';
+import { ShownPartition } from '../src/shown_partition.js';
 import {
   busyBins,
   busyShare,
@@ -147,6 +148,36 @@ test('PartitionStore: ids may wrap, and what waits has an end', () => {
   assert.equal(store.take(0)?.frameId, 0);
   for (let frameId = 1; frameId <= 100; frameId += 1) store.put(partition({ frameId }));
   assert.equal(store.take(50), null);
+});
+
+test('ShownPartition: goes with its picture, while it is wanted and nothing else is shown', () => {
+  let wanted = true;
+  let changes = 0;
+  const model = new ShownPartition(
+    () => wanted,
+    () => (changes += 1),
+  );
+  const draw = (frameId: number): void => model.drawn({ frameId, width: 50, height: 20 });
+  draw(1);
+  assert.deepEqual([model.shown, changes], [null, 0]);
+  model.received(partition({ frameId: 2 }));
+  model.received(partition({ frameId: 3 }));
+  draw(2);
+  assert.equal(model.shown?.partition.frameId, 2);
+  model.settingsChanged();
+  assert.equal(model.shown?.partition.frameId, 2, 'it is still wanted');
+  wanted = false;
+  model.settingsChanged();
+  assert.deepEqual([model.shown, changes], [null, 2]);
+  draw(3);
+  assert.equal(model.shown, null, 'not wanted');
+  wanted = true;
+  for (const frameId of [4, 5]) model.received(partition({ frameId }));
+  draw(4);
+  model.forget();
+  assert.equal(model.shown, null);
+  draw(5);
+  assert.equal(model.shown, null, 'of another scene');
 });
 
 test('describePartition: time, shares, workers and how busy they were', () => {
