@@ -6,6 +6,7 @@
 #include "server/base/error.h"
 #include "server/lab/device_bench.h"
 #include "server/lab/frame_bench.h"
+#include "server/lab/hybrid_bench.h"
 #include "server/lab/schedule_bench.h"
 #include "server/scene/scene_source.h"
 
@@ -13,6 +14,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 namespace heliograph {
 
@@ -83,6 +85,27 @@ void printRatio(const char* label, const nlohmann::ordered_json& frame, std::ost
     out << "\n";
 }
 
+void printHybrid(const char* label, const nlohmann::ordered_json& h, std::ostream& out) {
+    out << formatted("%s, %u sample(s) a pass\n", label, h["samples"].get<uint32_t>());
+    for (const auto& [device, side] : h["single"].items()) {
+        out << formatted("  %-22s %9.2f ms alone", device.c_str(), side["ms"].get<double>());
+        if (h["scheduled_alone"].contains(device)) {
+            const nlohmann::ordered_json& s = h["scheduled_alone"][device];
+            out << formatted("   %9.2f ms through the scheduler (%+.1f %%)", s["ms"].get<double>(), 100.0 * s["loss"].get<double>());
+        }
+        out << "\n";
+    }
+    out << formatted("  %-22s %9.2f ms   %.3f times the best alone, %.3f of the sum of rates\n", "together", h["ms"].get<double>(),
+                     h["ratio"].get<double>(), h["sum_of_rates_ratio"].get<double>());
+    for (const auto& part : h["parts"]) {
+        out << formatted("    %-20s %-6s %5.1f %%", part["device"].get<std::string>().c_str(), part["part"].get<std::string>().c_str(),
+                         100.0 * part["share"].get<double>())
+            << "  " << part["reason"].get<std::string>() << "\n";
+    }
+    out << formatted("  lost at the end %.3f ms, deciding %.3f ms, %.0f batches\n", h["end_loss_ms"].get<double>(),
+                     h["scheduler_ms"].get<double>(), h["batches"].get<double>());
+}
+
 void printForPeople(const nlohmann::ordered_json& json, std::ostream& out) {
     out << json["scene"].get<std::string>()
         << formatted(", %ux%u, medians of %u repetitions\n", json["width"].get<uint32_t>(), json["height"].get<uint32_t>(),
@@ -100,6 +123,11 @@ void printForPeople(const nlohmann::ordered_json& json, std::ostream& out) {
                          frame["single_ms"].get<double>(), frame["single_core_ms"].get<double>(),
                          frame["packet_speedup"].get<double>());
     }
+    if (json["hybrid"].is_null()) return;
+    printHybrid("hybrid", json["hybrid"], out);
+    if (json["hybrid"].contains("by_samples"))
+        for (const auto& entry : json["hybrid"]["by_samples"]) printHybrid("hybrid", entry, out);
+    if (!json["hybrid"]["forced"].is_null()) printHybrid("forced, each on cores of its own", json["hybrid"]["forced"], out);
 }
 
 void addCommon(CLI::App& command, BenchOptions& options) {
@@ -133,6 +161,37 @@ void addScheduleBench(CLI::App& bench, std::function<int()>& run) {
     schedule->callback([&run, options] { run = [options] { return runBenchSchedule(*options, std::cout); }; });
 }
 
+/// The frames of all devices together; of the first entry of --frame-samples, the others in `by_samples`.
+nlohmann::ordered_json measureHybrid(const Bench& bench, const BenchOptions& options, const Progress& progress) {
+    HybridBenchOptions wanted;
+    wanted.settings = bench.given.settings;
+    wanted.camera = bench.camera;
+    wanted.resolution = bench.resolution;
+    wanted.repetitions = checkedCount("--repetitions", options.repetitions);
+    wanted.devices = hybridDevices();
+    nlohmann::ordered_json result;
+    for (int64_t samples : options.frameSamples) {
+        wanted.samples = checkedCount("--frame-samples", samples);
+        nlohmann::ordered_json one = toJson(benchHybrid(*bench.device, *bench.scene, wanted, progress));
+        if (result.is_null()) result = std::move(one);
+        else result["by_samples"].push_back(std::move(one));
+    }
+    std::string why;
+    std::unique_ptr<Device> pair = makeForcedPair(why);
+    if (!pair) {
+        result["forced"] = nullptr;
+        result["forced_why_not"] = why;
+        return result;
+    }
+    wanted.samples = 1;
+    wanted.apart = false;
+    wanted.settings.embreeThreads = std::thread::hardware_concurrency() - 1;
+    pair->load(bench.scene, wanted.settings, progress);
+    result["forced"] = toJson(benchHybrid(*pair, *bench.scene, wanted, progress));
+    result["forced"]["embree_threads"] = wanted.settings.embreeThreads;
+    return result;
+}
+
 }  // namespace
 
 int runBenchFrames(const BenchOptions& options, std::ostream& out) {
@@ -164,16 +223,21 @@ int runBenchDevices(const BenchOptions& options, std::ostream& out) {
     DeviceBenchOptions bounds;
     bounds.repetitions = checkedCount("--repetitions", options.repetitions);
     std::vector<DeviceBenchResult> results;
+    const bool together = Settings::choiceWord("device", bench.given.settings.device) == "hybrid";
+    nlohmann::ordered_json hybrid;
     {
         ProgressBar bar;
         bench.open(options, bar.progress());
         bounds.settings = bench.given.settings;
+        if (together) bounds.settings.set("device", "embree");  // of bare rays and shares; the others follow in hybrid
         bounds.camera = bench.camera;
         bounds.resolution = bench.resolution;
-        std::unique_ptr<RawBench> raw = makeRawBench(bench.given.settings);
+        std::unique_ptr<RawBench> raw = makeRawBench(bounds.settings);
         results.push_back(benchDevice(*bench.device, raw.get(), bench.scene, bounds, bar.progress()));
+        if (together) hybrid = measureHybrid(bench, options, bar.progress());
     }
-    const nlohmann::ordered_json json = toJson(results);
+    nlohmann::ordered_json json = toJson(results);
+    if (together) json["hybrid"] = hybrid;
     if (options.json) out << dumped(json);
     else printForPeople(json, out);
     return 0;
@@ -227,11 +291,16 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
     devices->add_option("--repetitions", options->repetitions, "Times that everything is measured; medians are shown")
         ->type_name("N")
         ->capture_default_str();
+    devices->add_option("--frame-samples", options->frameSamples, "With --device hybrid: samples of a frame, one or several")
+        ->type_name("N")
+        ->delimiter(',')
+        ->capture_default_str();
     devices->footer("Measures primary and shadow rays, the same with 9 rays of ambient occlusion, and ray by ray instead of\n"
                     "in packets, in turns. Bare rays: the same rays, traced in packets and not shaded. Core ms: processor\n"
-                    "time of all threads together.\n"
-                    "Example:\n"
-                    "  heliograph bench devices courtyard --size 1280x720 --json");
+                    "time of all threads together. With --device hybrid also all devices together, beside each one alone.\n"
+                    "Examples:\n"
+                    "  heliograph bench devices courtyard --size 1280x720 --json\n"
+                    "  heliograph bench devices courtyard --device hybrid --frame-samples 1,4,16");
     devices->callback([&run, options] { run = [options] { return runBenchDevices(*options, std::cout); }; });
     addScheduleBench(*bench, run);
 }

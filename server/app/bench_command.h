@@ -11,6 +11,7 @@ namespace heliograph {
 struct BenchOptions : SceneOptions {
     int64_t frames = 60;      // bench frames
     int64_t repetitions = 9;  // bench devices
+    std::vector<int64_t> frameSamples{1};  // bench devices --device hybrid
     std::vector<std::string> scenes{"courtyard", "cathedral", "glass"};  // bench schedule
     int64_t simulated = 60;   // bench schedule: frames
     std::string csv;          // file for one line a frame, or empty

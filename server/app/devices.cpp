@@ -6,9 +6,9 @@
 #include "server/device/vulkan/raster_device.h"
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/base/error.h"
-#include "server/render/spare_device.h"
 
 #include <algorithm>
+#include <thread>
 
 namespace heliograph {
 
@@ -31,19 +31,63 @@ std::string joined(const std::vector<std::string>& words) {
     return line;
 }
 
-std::unique_ptr<Device> makeNamed(const std::string& word, DeviceNotice notice) {
+std::unique_ptr<Device> makeNamed(const std::string& word) {
     if (word == "raster") return makeRasterDevice();
     if (!word.starts_with("vulkan")) return makeEmbreeDevice();
-    // A GPU can be lost; the processor cannot.
-    return makeSpareDevice(makeVulkanDevice(word.size() > 7 ? word.substr(7) : ""), makeEmbreeDevice(), std::move(notice));
+    return makeVulkanDevice(word.size() > 7 ? word.substr(7) : "");
 }
+
+/// A device switch with a scheduler of its own.
+class CommandDevice : public Device {
+public:
+    explicit CommandDevice(DeviceOffer offer, bool forced = false)
+        : inner_(makeDeviceSwitch(std::move(offer), scheduler_, {{}, true, forced})) {}
+    DeviceInfo info() const override { return inner_->info(); }
+    DeviceInfo infoFor(const Settings& settings) const override { return inner_->infoFor(settings); }
+    void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
+        inner_->load(std::move(scene), settings, progress);
+    }
+    void prepare(const Settings& settings) override { inner_->prepare(settings); }
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                std::stop_token stop) override {
+        inner_->render(request, tiles, sink, stop);
+    }
+
+private:
+    TileScheduler scheduler_;
+    std::unique_ptr<Device> inner_;
+};
 
 }  // namespace
 
-std::unique_ptr<Device> makeDevice(const Settings& settings, DeviceNotice notice) {
-    std::string word = Settings::choiceWord("device", settings.device);
-    if (word == "auto") word = std::ranges::any_of(usableVulkanDevices(), isGpu) ? "vulkan" : "embree";
-    return makeNamed(word, std::move(notice));
+std::unique_ptr<Device> makeDevice(const Settings& settings) {
+    DeviceOffer offer = deviceOffer();
+    const std::string word = Settings::choiceWord("device", settings.device);
+    // The offer has what is here; asking for something else by name gives the driver's own answer why not.
+    if (std::ranges::find(offer.words, word) == offer.words.end()) makeNamed(word);
+    return std::make_unique<CommandDevice>(std::move(offer));
+}
+
+std::vector<std::string> hybridDevices() { return deviceOffer().team; }
+
+std::unique_ptr<Device> makeForcedPair(std::string& why) {
+    const std::vector<PhysicalDevice> devices = usableVulkanDevices();
+    const auto cpu = std::ranges::find_if(devices, &PhysicalDevice::isCpu);
+    if (cpu == devices.end()) why = "no Vulkan driver that computes on the processor";
+    else if (std::thread::hardware_concurrency() < 2) why = "only one core";
+    if (!why.empty()) return nullptr;
+    DeviceOffer offer;
+    const std::string vulkan = "vulkan:" + std::to_string(cpu->index);
+    offer.words = offer.team = {"embree", vulkan};
+    offer.words.push_back("hybrid");
+    offer.nameOf = [](const Settings& settings) { return Settings::choiceWord("device", settings.device); };
+    offer.make = [](const std::string& word) -> std::unique_ptr<Device> {
+        if (word == "embree") return makeEmbreeDevice();
+        VulkanOptions pinned;
+        pinned.lastCoreOnly = true;
+        return makeVulkanDevice(word.substr(7), pinned);
+    };
+    return std::make_unique<CommandDevice>(std::move(offer), true);
 }
 
 DeviceOffer deviceOffer(const std::vector<std::string>& only) {
@@ -61,6 +105,15 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
         if (device.index < 4) offer.words.push_back(word);  // the setting's choices end there
     }
     if (std::ranges::any_of(devices, &PhysicalDevice::graphics)) offer.words.push_back("raster");
+    offer.words.push_back("hybrid");
+    auto asked = [&](const std::string& word) { return only.empty() || std::ranges::find(only, word) != only.end(); };
+    const bool everything = asked("auto") || asked("hybrid");
+    auto joins = [&](const std::string& word) {
+        if (everything || asked(word) || (word == best && asked("vulkan"))) offer.team.push_back(word);
+    };
+    joins("embree");
+    for (const PhysicalDevice& device : devices) joins("vulkan:" + std::to_string(device.index));
+    offer.spare = "embree";
     std::string automatic = gpu != devices.end() ? best : "embree";
     for (const std::string& word : only) {
         if (std::ranges::find(offer.words, word) == offer.words.end())
@@ -70,6 +123,7 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     if (std::ranges::find(only, "auto") == only.end() && !only.empty()) {
         offer.words = {"auto"};
         offer.words.insert(offer.words.end(), only.begin(), only.end());
+        if (!asked("hybrid") && offer.team.size() > 1) offer.words.push_back("hybrid");
     }
     offer.nameOf = [=](const Settings& settings) {
         std::string word = Settings::choiceWord("device", settings.device);

@@ -8,13 +8,19 @@
 
 namespace heliograph {
 
-/// The device that the setting `device` means; auto is a GPU where there is one, else the CPU. Behind a
-/// Vulkan device stands the CPU, should it fail. Throws InputError for a device that is not there, std::runtime_error if it
-/// cannot start.
-std::unique_ptr<Device> makeDevice(const Settings& settings, DeviceNotice notice = {});
+/// The device that each request's setting `device` means; auto is a GPU where there is one, else the CPU, hybrid all of them.
+/// Behind a Vulkan device stands the CPU, should it fail. For commands: hybrid waits until all its devices are ready.
+/// Throws InputError where the one of `settings` is not there.
+std::unique_ptr<Device> makeDevice(const Settings& settings);
 /// What viewers may choose: all devices that work here, or `only` these words, of which `auto` then means the first. Asks
 /// the drivers once. Throws InputError for a word that is not there.
 DeviceOffer deviceOffer(const std::vector<std::string>& only = {});
+/// Embree on all cores but one and a Vulkan driver that computes on the processor on the last one, both forced to take part
+/// in hybrid: they share the machine without sharing a core. For benchmarks; settings have to give embreeThreads. Null where
+/// there is no such driver or only one core.
+std::unique_ptr<Device> makeForcedPair(std::string& why);
+/// Words of the devices that hybrid is made of.
+std::vector<std::string> hybridDevices();
 /// The bare tracing of the same device; null for one that offers none.
 std::unique_ptr<RawBench> makeRawBench(const Settings& settings);
 

@@ -10,6 +10,7 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
+#include "server/render/frame_history.h"
 #include "server/render/frame_renderer.h"
 #include "server/render/stats.h"
 #include "server/scene/scene_source.h"
@@ -119,6 +120,7 @@ int runRender(const RenderOptions& options, std::ostream& out) {
         result.ms.build = watch.milliseconds();
 
         result.request = frameRequest(*scene, camera, given.settings, resolution, 1);
+        result.request.history = std::make_shared<FrameHistory>();
         result.stats = renderFrame(*device, result.request, given.settings.samples, film, {}, bar.progress());
         result.ms.render = result.stats.milliseconds;
         result.scene = scene->name;

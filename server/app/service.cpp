@@ -18,7 +18,11 @@ constexpr auto TICK = 100ms;
 Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       cache_(options_.openScene,
-             [this] { return makeDeviceSwitch(options_.devices, [this](const std::string& what) { tellEverybody(what); }); },
+             [this] {
+                 DeviceSwitchOptions switching;
+                 switching.notice = [this](const std::string& what) { tellEverybody(what); };
+                 return makeDeviceSwitch(options_.devices, scheduler_, std::move(switching));
+             },
              options_.defaults),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }) {}

@@ -37,7 +37,7 @@ private:
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
     bool grantPixels(uint32_t viewer, uint64_t pixels) override;
     size_t viewerCount() const override;
-    Turns& turns() override { return turns_; }
+    Turns& turns() override { return scheduler_.turns(); }
     Metrics& metrics() override { return metrics_; }
     // SocketHandler
     std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) override;
@@ -50,7 +50,7 @@ private:
     void tellEverybody(const std::string& what);
 
     const ServiceOptions options_;
-    Turns turns_;
+    TileScheduler scheduler_;
     Metrics metrics_;
     SceneCache cache_;
     std::shared_ptr<void> firstScene_;  // ticket

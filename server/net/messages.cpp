@@ -24,6 +24,31 @@ std::string text(const json& message) { return message.dump(-1, ' ', false, json
 /// JSON has no infinity; figures that were never measured are 0.
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
+/// Who took part in a pass, who did not and why.
+json partsJson(const ScheduleReport& report) {
+    double total = 0.0;
+    for (const DeviceReport& device : report.devices) total += device.cost;
+    json parts = json::array();
+    for (uint32_t d = 0; d < report.devices.size(); d++) {
+        const DeviceReport& device = report.devices[d];
+        double idle = 0.0;
+        uint32_t workers = 0;
+        for (const WorkerReport& worker : report.workers) {
+            if (worker.device != d) continue;
+            idle += report.idleShare(worker);
+            workers++;
+        }
+        static constexpr const char* PARTS[] = {"works", "probes", "parked"};
+        parts.push_back({{"device", device.name},
+                         {"part", device.lost ? "lost" : PARTS[static_cast<int>(device.part.part)]},
+                         {"reason", device.part.reason},
+                         {"mraysPerSecond", 1e-6 * finite(device.rate)},
+                         {"share", total > 0.0 ? device.cost / total : 0.0},
+                         {"idleShare", workers > 0 ? finite(idle / workers) : 1.0}});
+    }
+    return parts;
+}
+
 }  // namespace
 
 std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices) {
@@ -70,11 +95,34 @@ std::string settingsMessage(const json& values, std::optional<uint32_t> inputId)
 std::string statsMessage(const ViewerStats& s) {
     json ms = {{"render", finite(s.ms.render)}, {"develop", finite(s.ms.develop)}, {"encode", finite(s.ms.encode)},
                {"queue", finite(s.ms.queue)}, {"send", finite(s.ms.send)}};
-    return text({{"type", "stats"}, {"device", s.device}, {"framesPerSecond", finite(s.framesPerSecond)},
+    json message = {{"type", "stats"}, {"device", s.device}, {"framesPerSecond", finite(s.framesPerSecond)},
                  {"samples", s.samples}, {"targetSamples", s.targetSamples}, {"relativeError", finite(s.relativeError)},
                  {"rays", toJson(s.rays)}, {"mraysPerSecond", finite(s.mraysPerSecond)}, {"ms", ms},
                  {"overheadShare", finite(s.overheadShare)}, {"deviceShare", finite(s.deviceShare)}, {"tiles", s.tiles},
-                 {"viewers", s.viewers}, {"residentBytes", s.residentBytes}, {"nonfiniteSamples", s.nonfiniteSamples}});
+                 {"viewers", s.viewers}, {"residentBytes", s.residentBytes}, {"nonfiniteSamples", s.nonfiniteSamples}};
+    if (!s.schedule.devices.empty()) {
+        message["parts"] = partsJson(s.schedule);
+        message["scheduler"] = {{"endLossMs", 1e3 * finite(s.schedule.endLoss())},
+                                {"decisionMs", 1e3 * finite(s.schedule.decisionSeconds)},
+                                {"batches", s.schedule.batches}, {"reissued", s.schedule.reissued}};
+    }
+    return text(message);
+}
+
+std::string partitionMessage(uint32_t frameId, const Partition& p) {
+    constexpr char DIGITS[] = "0123456789abcdefghijklmnopqrstuvwxyz";
+    std::string cells;
+    for (uint8_t maker : p.makers) cells += maker < sizeof DIGITS - 1 ? DIGITS[maker] : '.';
+    json workers = json::array();
+    auto ms = [&](double at) { return 1e3 * finite(at - p.report.begin); };
+    for (const WorkerReport& worker : p.report.workers) {
+        json batches = json::array();
+        for (const WorkerReport::Span& span : worker.batches) batches.push_back({ms(span.begin), ms(span.end), span.tiles});
+        workers.push_back({{"device", p.report.devices[worker.device].name}, {"worker", worker.stream}, {"batches", batches}});
+    }
+    return text({{"type", "partition"}, {"frameId", frameId}, {"width", p.resolution.x}, {"height", p.resolution.y},
+                 {"cellWidth", p.cellSize.x}, {"cellHeight", p.cellSize.y}, {"devices", p.devices}, {"cells", cells},
+                 {"timeline", {{"ms", ms(p.report.end)}, {"workers", workers}}}});
 }
 
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result) {

@@ -2,6 +2,7 @@
 // What the server says in `heliograph.v1`: each function makes the text of one control message (docs/protocol.md).
 
 #include "server/net/protocol.h"
+#include "server/render/partition.h"
 #include "server/render/path_run.h"
 #include "server/render/tile.h"
 #include "server/scene/scene_source.h"
@@ -26,6 +27,7 @@ struct ViewerStats {
     size_t viewers = 0;
     uint64_t residentBytes = 0;               // of the server
     uint64_t nonfiniteSamples = 0;
+    ScheduleReport schedule;                  // of the last pass of hybrid; else without devices
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.
@@ -36,6 +38,8 @@ std::string sceneFailedMessage(const std::string& name, const std::string& why);
 /// `inputId` names the message that this answers, if any.
 std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);
 std::string statsMessage(const ViewerStats& stats);
+/// Who made which part of a frame.
+std::string partitionMessage(uint32_t frameId, const Partition& partition);
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result);
 std::string noticeMessage(const std::string& text);
 std::string errorMessage(const std::string& text, const std::string& about, std::optional<uint32_t> inputId);

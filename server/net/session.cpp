@@ -120,6 +120,9 @@ void Session::handle(const SettingsMessage& message) {
         for (const std::string& word : devices) words += (words.empty() ? "one of " : " ") + word;
         throw InputError("settings.device", device + " is not here", words);
     }
+    if (device == "hybrid" && !settings.enableEmbree && !settings.enableVulkan) {
+        throw InputError("settings.enableEmbree, settings.enableVulkan", "false, false", "true for one of them at least with device hybrid");
+    }
     request_.settings = settings;
     request_.inputId = message.inputId;
     socket_->sendText(settingsMessage(settings.toJson(), message.inputId));
@@ -302,6 +305,7 @@ void Session::published(uint32_t frameId, std::optional<Published> result, const
             metrics.frameBytesSent += result->picture.bytes.size() - SOCKET_HEADROOM;
             metrics.stages[Metrics::input].add(1e-6 * result->header.inputMicros);
             metrics.stages[Metrics::render].add(result->figures.lastPassSeconds);
+            if (result->figures.partition) socket_->sendText(partitionMessage(frameId, *result->figures.partition));
         } else {
             picture_.reset();
             metrics.picturesSent++;

@@ -16,7 +16,10 @@ void StatsWindow::framePublished(const Published& frame) {
     last_.samples = frame.header.samples;
     last_.targetSamples = frame.targetSamples;
     last_.relativeError = frame.costs.relativeError;
-    if (frame.figures.passes > 0) last_.rays = frame.figures.lastRays;
+    if (frame.figures.passes > 0) {
+        last_.rays = frame.figures.lastRays;
+        last_.schedule = frame.figures.schedule;
+    }
     if (!frame.figures.tiles.empty()) last_.device.clear();
     for (const auto& [device, count] : frame.figures.tiles) {
         last_.tiles[device] += count;

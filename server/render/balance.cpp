@@ -43,15 +43,19 @@ void parkSharers(std::span<const BalanceDevice> devices, std::vector<DevicePart>
     }
 }
 
-/// Devices of which nothing is known are measured, unless they would take processors away from one that is known.
+/// Devices of which nothing is known are measured, unless they would take processors away from one that is known, or that
+/// stands before them in the list and is measured first.
 void probeUnknown(std::span<const BalanceDevice> devices, std::vector<DevicePart>& parts) {
     for (size_t i = 0; i < devices.size(); i++) {
         if (totalRate(devices[i]) > 0.0 || parts[i].part == Part::parked) continue;
         parts[i] = {Part::probes, "not measured yet with these effects"};
         if (devices[i].forced || devices[i].silicon.empty()) continue;
-        for (const BalanceDevice& other : devices) {
-            if (other.silicon != devices[i].silicon || totalRate(other) <= 0.0) continue;
-            parts[i] = {Part::parked, "shares its processors with " + other.name + ", which is measured already"};
+        for (size_t j = 0; j < devices.size(); j++) {
+            const BalanceDevice& other = devices[j];
+            if (j == i || other.silicon != devices[i].silicon) continue;
+            if (totalRate(other) > 0.0 || (j < i && parts[j].part != Part::parked)) {
+                parts[i] = {Part::parked, "shares its processors with " + other.name + ", which goes first"};
+            }
         }
     }
 }

@@ -17,6 +17,11 @@ struct DeviceInfo {
     std::string details;  // for people: processor, driver, packet width
     std::string silicon;  // devices with the same word share processors
     uint32_t workers = 1; // tiles in work at once
+    // For the scheduler:
+    uint32_t streams = 1;        // calls of renderStream that are worth making side by side
+    double batchSeconds = 0.0;   // fixed cost of one call: submission, wake-up, the longest path of a kernel
+    double roundTrip = 0.0;      // seconds on the wire, there and back; 0 for a local device
+    bool stampsTiles = true;     // TileResult::seconds add up to the time of the stream; else only the call can be timed
 };
 
 /// Takes each finished tile; called from the device's own threads, possibly several at once.
@@ -34,10 +39,19 @@ public:
     /// Makes ready what these settings will need in `render`, where that may take long; throws as `load` does. Not needed:
     /// `render` does it otherwise. May run beside `render`.
     virtual void prepare(const Settings& settings) { static_cast<void>(settings); }
+    /// Makes the first frame of such requests as fast as the next ones (drivers compile at the first dispatch). Renders
+    /// nothing that anybody sees.
+    virtual void warmUp(const FrameRequest& request) { static_cast<void>(request); }
     /// Renders the tiles in the order given and returns when all are delivered or `stop` was asked for (tiles not begun
     /// are then left out). Must not be called while load runs. Throws when the device is lost.
     virtual void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                         std::stop_token stop) = 0;
+    /// The same on one of the device's streams: as many calls as it has streams run side by side, each from a thread of its
+    /// own.
+    virtual void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                              std::stop_token stop) {
+        render(request, tiles, sink, stop);
+    }
 };
 
 }  // namespace heliograph

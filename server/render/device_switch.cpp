@@ -2,91 +2,313 @@
 
 #include "server/base/log.h"
 
+#include <algorithm>
 #include <map>
 #include <mutex>
+#include <set>
+#include <stdexcept>
 
 namespace heliograph {
 
 namespace {
 
+const std::string HYBRID = "hybrid";
+
+/// One device of the switch.
+struct Entry {
+    explicit Entry(std::string what) : name(std::move(what)) {}
+
+    const std::string name;
+    std::mutex loading;  // held while the device gets the scene
+    std::shared_ptr<std::atomic<uint32_t>> inside = std::make_shared<std::atomic<uint32_t>>(0);
+
+    std::mutex mutex;  // of all below
+    std::shared_ptr<Device> device;   // null until it holds the scene
+    std::string aside;                // why it is set aside; empty = it is not
+    std::set<uint32_t> warm;          // effect sets that it is ready for
+    bool busy = false;                // somebody gets it ready in the background
+
+    std::shared_ptr<Device> ready() {
+        std::lock_guard lock(mutex);
+        return device;
+    }
+    std::string failure() {
+        std::lock_guard lock(mutex);
+        return aside;
+    }
+};
+
+/// What tells the tiles of one call apart.
+using TileKey = std::array<uint32_t, 3>;
+TileKey keyOf(const Tile& tile) { return {tile.origin.x, tile.origin.y, tile.firstSample}; }
+
 class DeviceSwitch : public Device {
 public:
-    DeviceSwitch(DeviceOffer offer, DeviceNotice notice) : offer_(std::move(offer)), notice_(std::move(notice)) {}
+    DeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options)
+        : offer_(std::move(offer)), scheduler_(scheduler), options_(std::move(options)) {}
 
-    DeviceInfo info() const override {
-        std::shared_ptr<Entry> entry = find(first_);
-        return entry ? entry->device->info() : DeviceInfo{};
-    }
-
-    DeviceInfo infoFor(const Settings& settings) const override {
-        std::shared_ptr<Entry> entry = find(offer_.nameOf(settings));
-        return entry ? entry->device->infoFor(settings) : info();
-    }
+    DeviceInfo info() const override { return infoOf(first_); }
+    DeviceInfo infoFor(const Settings& settings) const override { return infoOf(offer_.nameOf(settings)); }
 
     void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
         {
             std::lock_guard lock(mutex_);
             entries_.clear();
+            memory_ = {};
             scene_ = std::move(scene);
             first_ = offer_.nameOf(settings);
         }
-        ready(settings, progress);
+        if (first_ != HYBRID) {
+            usable(first_, settings, progress);
+            return;
+        }
+        bool any = false;
+        for (const std::string& name : offer_.team) {
+            if (switchedOff(name, settings) || (any && !options_.patient)) continue;
+            any |= loaded(name, settings, progress) != nullptr;
+        }
+        if (!any) throw std::runtime_error("hybrid: " + whyNobody(settings));
     }
 
-    void prepare(const Settings& settings) override { ready(settings, {})->device->prepare(settings); }
+    void prepare(const Settings& settings) override {
+        const std::string name = offer_.nameOf(settings);
+        if (name != HYBRID) usable(name, settings, {})->prepare(settings);
+    }
 
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                 std::stop_token stop) override {
-        ready(request.settings, {})->device->render(request, tiles, sink, stop);
+        const std::string name = offer_.nameOf(request.settings);
+        if (name == HYBRID) renderTogether(request, tiles, sink, stop);
+        else renderAlone(name, request, tiles, sink, stop);
     }
 
 private:
-    struct Entry {
-        std::mutex loading;
-        std::unique_ptr<Device> device;  // null until it holds the scene
-    };
-
-    std::shared_ptr<Entry> find(const std::string& name) const {
+    std::shared_ptr<Entry> entry(const std::string& name) const {
         std::lock_guard lock(mutex_);
-        auto found = entries_.find(name);
-        return found != entries_.end() && found->second->device ? found->second : nullptr;
+        std::shared_ptr<Entry>& slot = entries_[name];
+        if (!slot) slot = std::make_shared<Entry>(name);
+        return slot;
     }
 
-    /// The device that the settings name, with the scene. Devices do not wait for each other's loading.
-    std::shared_ptr<Entry> ready(const Settings& settings, const Progress& progress) {
-        const std::string name = offer_.nameOf(settings);
-        if (std::shared_ptr<Entry> entry = find(name)) return entry;
-        std::shared_ptr<Entry> entry;
+    /// Of the device, or of its spare once that has taken over.
+    DeviceInfo infoOf(const std::string& name) const {
+        DeviceInfo info;
+        if (name != HYBRID) {
+            std::shared_ptr<Device> device = entry(name)->ready();
+            if (!device && hasSpare(name) && !entry(name)->failure().empty()) device = entry(offer_.spare)->ready();
+            return device ? device->info() : info;
+        }
+        info.name = HYBRID;
+        info.workers = 0;
+        for (const std::string& member : offer_.team) {
+            std::shared_ptr<Device> device = entry(member)->ready();
+            if (!device) continue;
+            info.details += (info.details.empty() ? "" : " + ") + device->info().name;
+            info.workers += device->info().workers;
+        }
+        info.workers = std::max(info.workers, 1u);
+        return info;
+    }
+
+    bool hasSpare(const std::string& name) const { return name.starts_with("vulkan") && !offer_.spare.empty(); }
+
+    /// The device with the scene. Devices do not wait for each other's loading. Throws what it throws.
+    std::shared_ptr<Device> loadNow(const std::shared_ptr<Entry>& entry, const Settings& settings, const Progress& progress) {
+        std::lock_guard loading(entry->loading);
+        if (std::shared_ptr<Device> device = entry->ready()) return device;
         std::shared_ptr<const Scene> scene;
         {
             std::lock_guard lock(mutex_);
-            std::shared_ptr<Entry>& slot = entries_[name];
-            if (!slot) slot = std::make_shared<Entry>();
-            entry = slot;
             scene = scene_;
         }
-        std::lock_guard loading(entry->loading);
-        if (find(name)) return entry;
-        log().debug("starting {}", name);
-        std::unique_ptr<Device> device = offer_.make(name, notice_);
+        log().debug("starting {}", entry->name);
+        std::shared_ptr<Device> device = offer_.make(entry->name);
         device->load(scene, settings, progress);
-        std::lock_guard lock(mutex_);
-        entry->device = std::move(device);
-        return entry;
+        std::lock_guard lock(entry->mutex);
+        entry->device = device;
+        return device;
     }
 
+    /// The same, or null where it is or was set aside for failing.
+    std::shared_ptr<Device> loaded(const std::string& name, const Settings& settings, const Progress& progress) {
+        std::shared_ptr<Entry> member = entry(name);
+        if (!member->failure().empty()) return nullptr;
+        try {
+            return loadNow(member, settings, progress);
+        } catch (const std::exception& error) {
+            setAside(name, error.what());
+            return nullptr;
+        }
+    }
+
+    /// What renders for that name: the device, or its spare.
+    std::shared_ptr<Device> usable(const std::string& name, const Settings& settings, const Progress& progress) {
+        if (!hasSpare(name)) return loadNow(entry(name), settings, progress);
+        std::shared_ptr<Device> device = loaded(name, settings, progress);
+        return device ? device : loadNow(entry(offer_.spare), settings, progress);
+    }
+
+    void setAside(const std::string& name, const std::string& why) {
+        std::shared_ptr<Entry> failed = entry(name);
+        {
+            std::lock_guard lock(failed->mutex);
+            if (!failed->aside.empty()) return;
+            failed->aside = why.empty() ? "failed" : why;
+            failed->device = nullptr;
+        }
+        std::string text = "device " + name + " was set aside: " + why + "; ";
+        text += hasSpare(name) ? offer_.spare + " goes on" : "the others go on";
+        log().warn("{}", text);
+        if (options_.notice) options_.notice(text);
+    }
+
+    void renderAlone(const std::string& name, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                     std::stop_token stop) {
+        std::shared_ptr<Device> device = usable(name, request.settings, {});
+        if (!hasSpare(name) || !entry(name)->failure().empty()) return device->render(request, tiles, sink, stop);
+        std::vector<Tile> left(tiles.begin(), tiles.end());
+        std::mutex deliveredMutex;
+        std::set<TileKey> delivered;
+        auto counting = [&](TileResult&& result) {
+            TileKey key = keyOf(result.tile);
+            sink(std::move(result));
+            std::lock_guard lock(deliveredMutex);
+            delivered.insert(key);
+        };
+        try {
+            return device->render(request, tiles, counting, stop);
+        } catch (const std::exception& error) {
+            setAside(name, error.what());
+        }
+        std::erase_if(left, [&](const Tile& tile) { return delivered.contains(keyOf(tile)); });
+        usable(name, request.settings, {})->render(request, left, sink, stop);
+    }
+
+    void renderTogether(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
+        std::vector<Candidate> team = candidates(request);
+        auto can = [](const Candidate& c) { return c.blocked.empty(); };
+        if (std::ranges::none_of(team, can)) {
+            // Nobody is ready yet: the frame waits for the first.
+            for (const std::string& name : offer_.team) {
+                if (!switchedOff(name, request.settings) && loaded(name, request.settings, {})) break;
+            }
+            team = candidates(request);
+        }
+        if (std::ranges::none_of(team, can)) throw std::runtime_error("hybrid: " + whyNobody(request.settings));
+        const ScheduleResult result = scheduler_.render(request, tiles, std::move(team), memory_, sink, stop);
+        for (const auto& [device, why] : result.failures) {
+            memory_.rates.forget(device);
+            setAside(device, why);
+        }
+        if (!result.missing.empty() && !stop.stop_requested()) throw std::runtime_error("hybrid: " + whyNobody(request.settings));
+    }
+
+    /// Why no device is left.
+    std::string whyNobody(const Settings& settings) {
+        std::string reasons;
+        for (const std::string& name : offer_.team) {
+            const std::string why = switchedOff(name, settings) ? "switched off" : entry(name)->failure();
+            reasons += (reasons.empty() ? "" : "; ") + name + ": " + (why.empty() ? "did not deliver" : why);
+        }
+        return reasons.empty() ? "no device here" : reasons;
+    }
+
+    std::vector<Candidate> candidates(const FrameRequest& request) {
+        std::vector<Candidate> team;
+        for (const std::string& name : offer_.team) {
+            std::shared_ptr<Entry> member = entry(name);
+            Candidate c;
+            c.info.name = name;
+            c.inside = member->inside;
+            c.forced = options_.forced;
+            if (switchedOff(name, request.settings)) c.blocked = "switched off";
+            else if (std::string why = member->failure(); !why.empty()) c.blocked = "set aside: " + why;
+            else if (member->inside->load() > 0) c.blocked = "still owes a batch of an earlier frame";
+            else c.blocked = getReady(member, request);
+            c.device = member->ready();
+            if (c.device) c.info = c.device->infoFor(request.settings);
+            team.push_back(std::move(c));
+        }
+        return team;
+    }
+
+    /// Starts what a device needs before it can take part; returns what it waits for, or nothing.
+    std::string getReady(const std::shared_ptr<Entry>& member, const FrameRequest& request) {
+        FrameRequest wanted = request;
+        wanted.history = nullptr;
+        {
+            std::lock_guard lock(member->mutex);
+            if (member->device && member->warm.contains(request.effects.bits)) return {};
+            if (member->busy) return member->device ? "is compiling for these effects" : "is being given the scene";
+            member->busy = true;
+        }
+        auto work = [this, member, wanted] {
+            if (std::shared_ptr<Device> device = loaded(member->name, wanted.settings, {})) {
+                try {
+                    device->warmUp(wanted);
+                } catch (const std::exception& error) {
+                    setAside(member->name, error.what());
+                }
+            }
+            std::lock_guard lock(member->mutex);
+            member->warm.insert(wanted.effects.bits);
+            member->busy = false;
+        };
+        // The device that is there already has nothing to wait for.
+        if (options_.patient || (member->ready() && member->name == offer_.team.front())) {
+            work();
+            std::string why = member->failure();
+            return why.empty() ? "" : "set aside: " + why;
+        }
+        background_.run(scheduler_.crew(), work);
+        return "is being made ready";
+    }
+
+    /// Tasks that use the switch; it does not end before them.
+    class Background {
+    public:
+        ~Background() {
+            std::unique_lock lock(mutex_);
+            changed_.wait(lock, [&] { return running_ == 0; });
+        }
+        void run(WorkerCrew& crew, std::function<void()> task) {
+            {
+                std::lock_guard lock(mutex_);
+                running_++;
+            }
+            crew.run([this, task = std::move(task)] {
+                task();
+                std::lock_guard lock(mutex_);
+                running_--;
+                changed_.notify_all();
+            });
+        }
+
+    private:
+        std::mutex mutex_;
+        std::condition_variable changed_;
+        uint32_t running_ = 0;
+    };
+
     const DeviceOffer offer_;
-    const DeviceNotice notice_;
+    TileScheduler& scheduler_;
+    const DeviceSwitchOptions options_;
     mutable std::mutex mutex_;
     std::string first_;
     std::shared_ptr<const Scene> scene_;
-    std::map<std::string, std::shared_ptr<Entry>> entries_;
+    mutable std::map<std::string, std::shared_ptr<Entry>> entries_;
+    ScheduleMemory memory_;  // used by the frame in progress alone: frames take turns
+    Background background_;  // ends first
 };
 
 }  // namespace
 
-std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, DeviceNotice notice) {
-    return std::make_unique<DeviceSwitch>(std::move(offer), std::move(notice));
+bool switchedOff(const std::string& device, const Settings& settings) {
+    return device.starts_with("vulkan") ? !settings.enableVulkan : device == "embree" && !settings.enableEmbree;
+}
+
+std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options) {
+    return std::make_unique<DeviceSwitch>(std::move(offer), scheduler, std::move(options));
 }
 
 }  // namespace heliograph

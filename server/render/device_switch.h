@@ -1,23 +1,39 @@
 #pragma once
-// The devices that viewers choose between, behind one: each frame goes to the device that its settings name. A device gets
-// the scene when it is first asked for.
+// The devices of one scene behind one: each frame goes to the device that its settings name, or with `hybrid` to all that
+// are there, through the tile scheduler. A device gets the scene when it is first asked for. One that fails is set aside, and
+// its frame goes on elsewhere.
 
 #include "server/render/device.h"
-#include "server/render/spare_device.h"
+#include "server/render/tile_scheduler.h"
 
 namespace heliograph {
+
+/// Tells people about a device that was set aside, in one line.
+using DeviceNotice = std::function<void(const std::string& what)>;
 
 /// What there is to choose from. Safe from all threads.
 struct DeviceOffer {
     std::vector<std::string> words;  // of the setting `device`, those that work here
-    /// The device that the setting means; words that mean the same device have one name.
+    /// The device that the setting means; words that mean the same device have one name. "hybrid" for all of `team`.
     std::function<std::string(const Settings&)> nameOf;
     /// Throws InputError for a device that is not there, std::runtime_error if it cannot start.
-    std::function<std::unique_ptr<Device>(const std::string& name, DeviceNotice notice)> make;
+    std::function<std::unique_ptr<Device>(const std::string& name)> make;
+    std::vector<std::string> team;   // devices of hybrid, the one that is ready soonest first
+    std::string spare;               // that takes over from a traced device that failed; empty: none does
+};
+
+struct DeviceSwitchOptions {
+    DeviceNotice notice;
+    bool patient = false;  // hybrid waits for all its devices, instead of beginning with those that are ready
+    bool forced = false;   // every device takes part in hybrid, whatever it gains; for benchmarks
 };
 
 /// `load` gives the scene to the device that its settings name; the others get it in `prepare`, or in `render` for want of
-/// it. A device that could not be started or loaded is tried again when it is asked for again.
-std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, DeviceNotice notice = {});
+/// it; hybrid's get it in the background. A device that could not be started or loaded is tried again when it is asked for by
+/// name again, unless there is a spare. The scheduler outlives the switch.
+std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options = {});
+
+/// Devices of hybrid that the settings switch off.
+bool switchedOff(const std::string& device, const Settings& settings);
 
 }  // namespace heliograph

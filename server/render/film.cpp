@@ -205,4 +205,25 @@ double Film::relativeError() const {
     return std::min(1.0, std::sqrt(sumOfErrors / static_cast<double>(count)) / mean);
 }
 
+std::vector<float> Film::cellErrors(uvec2 cellSize) const {
+    Reading reading(*this);
+    const uvec2 cells = (resolution_ + cellSize - 1u) / cellSize;
+    std::vector<float> errors(static_cast<size_t>(cells.x) * cells.y, 0.0f);
+    constexpr uint32_t STEP = 8;
+    for (uint32_t y = STEP / 2; y < resolution_.y; y += STEP) {
+        for (uint32_t x = 0; x < resolution_.x; x++) {
+            const Block& block = blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x + x / BLOCK];
+            if (block.samples < 2) continue;
+            const glm::dvec4 sum = sumOf(block, static_cast<size_t>(y) * resolution_.x + x);
+            const double samples = block.samples;
+            const double mean = luminance(sum) / samples;
+            const double variance = std::max(0.0, sum.w / samples - mean * mean) / (samples - 1.0);
+            // The variance of sqrt(x) is var(x) / (4 mean).
+            errors[static_cast<size_t>(y / cellSize.y) * cells.x + x / cellSize.x] += static_cast<float>(variance / std::max(mean, 1e-4));
+        }
+    }
+    for (float& error : errors) error = std::sqrt(error);
+    return errors;
+}
+
 }  // namespace heliograph

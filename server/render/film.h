@@ -35,6 +35,9 @@ public:
     /// Estimated standard error of the pixels' mean luminance (root mean square over the picture) as a share of the
     /// picture's mean luminance; 1 while a pixel has fewer than 2 samples. Large pictures are judged by every 16th pixel.
     double relativeError() const;
+    /// How noisy each cell of `cellSize` pixels is, row-major: the standard error of its pixels' luminance as seen (that of the
+    /// square root, where half a stop looks alike in dark and light), estimated from every 8th row. 0 below 2 samples.
+    std::vector<float> cellErrors(uvec2 cellSize) const;
 
 private:
     struct Block {

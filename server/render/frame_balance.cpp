@@ -30,7 +30,12 @@ void FrameBalance::begin(std::span<const BalanceDevice> devices, std::span<const
     askOrder_.clear();
     for (uint32_t d = 0; d < devices.size(); d++) {
         const BalanceDevice& device = devices[d];
-        Worker worker{d, device.rate, device.spread, device.batchSeconds, 0.5 * device.roundTrip, now};
+        uint32_t silicon = d;
+        for (uint32_t other = 0; other < d && !device.silicon.empty() && silicon == d; other++) {
+            if (devices[other].silicon == device.silicon) silicon = other;
+        }
+        Worker worker{d, silicon, device.rate, device.spread, device.batchSeconds, 0.5 * device.roundTrip};
+        worker.freeAt = now;
         if (parts[d].part == Part::parked) worker.state = State::parked;
         if (parts[d].part == Part::probes) worker.state = device.rate > 0.0 ? State::samples : State::probes;
         for (uint32_t i = 0; i < device.workers; i++) {
@@ -318,18 +323,23 @@ bool FrameBalance::lose(uint32_t index) {
         giveBack(worker.inHand[i]);
     }
     worker.inHandCount = 0;
-    callParked();
+    callParked(true);
     return waiting();
 }
 
-/// When nobody works any more, those that were left out step in.
-void FrameBalance::callParked() {
+/// When nobody works any more, those that were left out step in. Unless `all`, not those that share processors with one that
+/// is only late: where a machine is busy with something else, they would take what is left of it.
+void FrameBalance::callParked(bool all) {
     auto working = [](const Worker& w) { return w.state == State::works || w.state == State::probes; };
     if (std::any_of(workers_.begin(), workers_.end(), working)) return;
+    auto late = [&](uint32_t silicon) {
+        return std::any_of(workers_.begin(), workers_.end(),
+                           [&](const Worker& w) { return w.state == State::suspect && w.silicon == silicon; });
+    };
     for (Worker& worker : workers_) {
-        if (worker.state == State::parked || worker.state == State::samples) {
-            worker.state = worker.rate > 0.0 ? State::works : State::probes;
-        }
+        if (worker.state != State::parked && worker.state != State::samples) continue;
+        if (!all && late(worker.silicon)) continue;
+        worker.state = worker.rate > 0.0 ? State::works : State::probes;
     }
     chooseAnchors();
 }
@@ -350,7 +360,7 @@ double FrameBalance::nextOverdue() {
 bool FrameBalance::checkOverdue(double now) {
     bool doubts = false;
     while (nextOverdue() <= now) {
-        const uint32_t id = alarms_.front().batch;
+        const auto [at, id, again] = alarms_.front();
         std::pop_heap(alarms_.begin(), alarms_.end(), later);
         alarms_.pop_back();
         Worker& worker = workers_[batches_[id].batch.worker];
@@ -361,8 +371,14 @@ bool FrameBalance::checkOverdue(double now) {
         }
         giveBack(id);
         doubts = true;
+        if (again) {
+            callParked(true);
+        } else {
+            alarms_.push_back({now + STALL_LIMIT, id, true});
+            std::push_heap(alarms_.begin(), alarms_.end(), later);
+        }
     }
-    if (doubts) callParked();
+    if (doubts) callParked(false);
     return doubts && waiting();
 }
 

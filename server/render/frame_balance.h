@@ -39,6 +39,12 @@ public:
     /// Workers are numbered device by device.
     uint32_t workerCount() const { return static_cast<uint32_t>(workers_.size()); }
     uint32_t deviceOf(uint32_t worker) const { return workers_[worker].device; }
+    /// Whether it owes an overdue batch.
+    bool isSuspect(uint32_t worker) const { return workers_[worker].state == State::suspect; }
+    /// Whether it may be given batches.
+    bool isActive(uint32_t worker) const {
+        return workers_[worker].state != State::parked && workers_[worker].state != State::lost;
+    }
     /// Workers that may get batches, in the order in which they should ask at the beginning: slow ones first, so that
     /// what their whole cells leave over goes to the fast ones.
     std::span<const uint32_t> askOrder() const { return askOrder_; }
@@ -81,6 +87,7 @@ private:
     enum class State : uint8_t { works, probes, samples, suspect, parked, lost };
     struct Worker {
         uint32_t device = 0;
+        uint32_t silicon = 0;  // number of the first device on the same silicon
         double rate = 0.0, spread = 0.0, batchSeconds = 0.0, half = 0.0;  // half: of the round trip
         double guess = 0.0;   // of the rate while it is unknown
         double freeAt = 0.0;  // at the device, predicted
@@ -99,7 +106,11 @@ private:
         bool finished = false;
         bool returned = false;  // its cells went back
     };
-    struct Alarm { double at; uint32_t batch; };
+    struct Alarm {
+        double at;
+        uint32_t batch;
+        bool again = false;  // it was doubted before, and has still not come
+    };
 
     void count(Worker& worker, double now, double notBefore = 0.0);
     void drop(Worker& worker);
@@ -113,7 +124,7 @@ private:
     uint32_t leastFor(const Worker& worker) const;
     void learnRate(const Worker& measured, const Entry& entry, double now);
     void guessRates(double now);
-    void callParked();
+    void callParked(bool all);
 
     std::vector<Worker> workers_;
     std::vector<uint32_t> askOrder_;

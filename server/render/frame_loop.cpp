@@ -1,6 +1,9 @@
 #include "server/render/frame_loop.h"
 
+#include "server/base/clock.h"
+
 #include <algorithm>
+#include <bit>
 #include <stdexcept>
 #include <utility>
 
@@ -18,6 +21,22 @@ uint32_t deviceBit(const std::string& device) {
     if (device.starts_with("vulkan")) return 2;
     if (device.starts_with("raster")) return 4;
     return 8;
+}
+
+/// The report of a device that worked alone since `begin`.
+ScheduleReport aloneReport(const Partition& partition, double begin, uint32_t tiles) {
+    ScheduleReport report;
+    if (partition.devices.empty()) return report;
+    report.begin = begin;
+    report.end = wallSeconds();
+    report.seconds = report.end - begin;
+    report.batches = 1;
+    DeviceReport device;
+    device.name = partition.devices.back();
+    device.tiles = tiles;
+    report.devices.push_back(device);
+    report.workers.push_back({0, 0, {{begin, report.end, tiles}}});
+    return report;
 }
 
 }  // namespace
@@ -112,6 +131,7 @@ uint64_t FrameLoop::takeNews() {
         view_.reset();
         picture_.reset();
         secondsPerTile_ = 0.0;
+        history_->costs.forget();
     }
     if (newest_) wish_ = newest_;
     if (retry_) broken_ = false;
@@ -227,7 +247,7 @@ void FrameLoop::renderFilm() {
         useLatestWish();
         inputSeconds_ = secondsBetween(view_->received, Clock::now());
     }
-    bool completed = renderPass(*film_, *view_, first, cancelled, std::move(turn), figures_);
+    bool completed = renderPass(*film_, *view_, first, cancelled, std::move(turn), figures_, history_);
     endPass(completed);
     if (!completed) return;
     samples_ = film_->completedSamples();
@@ -252,6 +272,7 @@ void FrameLoop::startPicture() {
     job.view = view_ ? *view_ : *wish_;
     job.view.settings.renderScale = 1.0f;
     job.samples = std::max(samples_, 1u);
+    job.history = std::make_shared<FrameHistory>();
     if (view_ && samples_ > 0 && filmSize(*view_) == view_->resolution) {
         job.film = film_;
     } else {
@@ -266,7 +287,8 @@ bool FrameLoop::finishPicture() {
     uint32_t finished = picture_->film->completedSamples();
     if (finished < picture_->samples) {
         std::stop_token cancelled = beginPass(picture_->view, finished, false);
-        bool completed = renderPass(*picture_->film, picture_->view, finished, cancelled, std::nullopt, picture_->figures);
+        bool completed = renderPass(*picture_->film, picture_->view, finished, cancelled, std::nullopt, picture_->figures,
+                                    picture_->history);
         endPass(completed);
         return true;
     }
@@ -305,14 +327,23 @@ void FrameLoop::endPass(bool completed) {
 
 /// One sample for every pixel, a slice of tiles a turn. False when cancelled.
 bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
-                           std::optional<Turns::Turn> turn, PassFigures& figures) {
+                           std::optional<Turns::Turn> turn, PassFigures& figures,
+                           const std::shared_ptr<FrameHistory>& history) {
     FrameRequest request;
     request.camera = view.camera;
     request.settings = view.settings;
     request.effects.bits = resident_->effects.bits & allowedEffects(view.settings).bits;
     request.resolution = film.resolution();
     request.generation = film.generation();
-    const std::vector<Tile> tiles = film.tilesFor(firstSample, 1, tileSize(view.settings));
+    const uvec2 cellSize = glm::min(tileSize(view.settings), film.resolution());
+    const std::vector<Tile> tiles = film.tilesFor(firstSample, 1, cellSize);
+    request.history = history;
+    beginHistory(*history, film, view, cellSize);
+    std::shared_ptr<Partition> partition;
+    if (view.settings.showPartition) {
+        partition = std::make_shared<Partition>();
+        partition->begin(film.resolution(), cellSize);
+    }
     const uint32_t workers = resident_->device->infoFor(view.settings).workers;
 
     figures.lastRays = {};
@@ -324,7 +355,7 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
             turn.emplace(std::move(*next));
         }
         size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.contended()));
-        double seconds = renderSlice(request, std::span(tiles).subspan(done, count), film, cancelled, figures);
+        double seconds = renderSlice(request, std::span(tiles).subspan(done, count), film, cancelled, figures, partition.get());
         turn.reset();
         figures.lastPassSeconds += seconds;
         figures.renderSeconds += seconds;
@@ -334,6 +365,10 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
         done += count;
     }
     figures.passes++;
+    history->costs.end();
+    figures.schedule = history->report;
+    if (partition && !history->report.devices.empty()) partition->report = history->report;
+    figures.partition = std::move(partition);
     if (film.completedSamples() <= firstSample) {
         throw std::runtime_error("device " + resident_->device->infoFor(view.settings).name + " left out tiles of a pass");
     }
@@ -342,7 +377,7 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
 
 /// Returns the wall time.
 double FrameLoop::renderSlice(const FrameRequest& request, std::span<const Tile> tiles, Film& film, std::stop_token cancelled,
-                              PassFigures& figures) {
+                              PassFigures& figures, Partition* partition) {
     std::mutex mutex;
     Clock::time_point begin = Clock::now();
     auto sink = [&](TileResult&& result) {
@@ -354,9 +389,21 @@ double FrameLoop::renderSlice(const FrameRequest& request, std::span<const Tile>
         figures.nonfiniteSamples += result.nonfiniteSamples;
         figures.coreSeconds += result.seconds;
         figures.devices |= deviceBit(result.device);
+        if (partition) partition->note(result.tile, result.device);
     };
+    const double wall = wallSeconds();
     resident_->device->render(request, tiles, sink, cancelled);
+    if (partition) partition->report.append(aloneReport(*partition, wall, static_cast<uint32_t>(tiles.size())));
     return secondsBetween(begin, Clock::now());
+}
+
+void FrameLoop::beginHistory(FrameHistory& history, const Film& film, const ViewRequest& view, uvec2 cellSize) {
+    history.costs.begin(film.resolution(), cellSize);
+    history.report = {};
+    const uint32_t samples = film.completedSamples();
+    const bool together = Settings::choiceWord("device", view.settings.device) == "hybrid";
+    if (samples < 2 || !together) history.errors.clear();
+    else if (std::has_single_bit(samples)) history.errors = film.cellErrors(cellSize);
 }
 
 }  // namespace heliograph

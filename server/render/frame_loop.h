@@ -5,6 +5,8 @@
 
 #include "server/render/device.h"
 #include "server/render/film.h"
+#include "server/render/frame_history.h"
+#include "server/render/partition.h"
 #include "server/render/path_run.h"
 #include "server/render/turns.h"
 #include "server/render/view_request.h"
@@ -33,7 +35,9 @@ struct PassFigures {
     RayCounts lastRays;              // the last pass
     std::map<std::string, uint64_t> tiles;  // by device
     uint64_t nonfiniteSamples = 0;
-    uint32_t devices = 0;            // bit set of docs/protocol.md: 1 embree, 2 vulkan, 4 remote
+    uint32_t devices = 0;            // bit set of docs/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
+    ScheduleReport schedule;         // of the last pass; without devices where one device alone was asked for
+    std::shared_ptr<const Partition> partition;  // of the last pass, if the settings ask for it
 };
 
 /// A film worth looking at. The film may grow while it is developed, never change its request.
@@ -98,7 +102,13 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
     struct Run { PathRun path; Clock::time_point begin; };
-    struct Job { ViewRequest view; std::shared_ptr<Film> film; uint32_t samples = 1; PassFigures figures; };
+    struct Job {
+        ViewRequest view;
+        std::shared_ptr<Film> film;
+        uint32_t samples = 1;
+        PassFigures figures;
+        std::shared_ptr<FrameHistory> history;
+    };
     struct PassState {
         bool running = false;
         bool cancellable = false;  // by a newer wish; ending the loop and a new scene always cancel
@@ -122,9 +132,10 @@ private:
     std::stop_token beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable);
     void endPass(bool completed);
     bool renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
-                    std::optional<Turns::Turn> turn, PassFigures& figures);
+                    std::optional<Turns::Turn> turn, PassFigures& figures, const std::shared_ptr<FrameHistory>& history);
     double renderSlice(const FrameRequest& request, std::span<const Tile> tiles, Film& film, std::stop_token cancelled,
-                       PassFigures& figures);
+                       PassFigures& figures, Partition* partition);
+    static void beginHistory(FrameHistory& history, const Film& film, const ViewRequest& view, uvec2 cellSize);
 
     Turns& turns_;
     FrameReceiver& receiver_;
@@ -158,6 +169,7 @@ private:
     double inputSeconds_ = 0.0;
     PassFigures figures_;
     double secondsPerTile_ = 0.0;
+    std::shared_ptr<FrameHistory> history_ = std::make_shared<FrameHistory>();
     std::optional<Run> run_;
     std::optional<Job> picture_;
     bool pictureTurn_ = false;  // passes of picture and film alternate

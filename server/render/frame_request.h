@@ -6,7 +6,11 @@
 #include "server/render/effect_set.h"
 #include "server/render/settings.h"
 
+#include <memory>
+
 namespace heliograph {
+
+struct FrameHistory;
 
 struct FrameRequest {
     Camera camera;
@@ -14,6 +18,9 @@ struct FrameRequest {
     EffectSet effects;        // effectsOf(scene) & allowedEffects(settings)
     uvec2 resolution{0, 0};
     uint32_t generation = 0;  // grows with each new request of a viewer
+    /// What frames of this viewer have cost so far (frame_history.h), for devices that distribute tiles; may be null. Of one
+    /// frame at a time.
+    std::shared_ptr<FrameHistory> history;
 };
 
 /// Fills the kernel's block. `scene` gives the light count and the AO radius.

@@ -5,7 +5,12 @@
 // SETTING_CHOICE(name, default, "a|b|c", label, effect, price, help)        stored as the index of the choice
 // effect: the effect_table row it belongs to, or "". price: which direction is exact and dearer: "up", "down", "on", "off" or "".
 // The K rows (SETTING_K_*) are also fields of the kernel's settings block.
-SETTING_CHOICE(device, 0, "auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3|raster", "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present.")
+SETTING_CHOICE(device, 0, "auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3|raster|hybrid", "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present, hybrid all of them together.")
+SETTING_CHOICE(hybridBalance, 0, "auto|manual", "Balance", "", "", "How hybrid divides the picture: auto gives each region to whoever finishes it first, manual cuts it where the share says.")
+SETTING_INT(hybridShare, 50, 0, 100, "%", "Vulkan share", "", "", "Part of the work that goes to Vulkan devices when the balance is manual; the CPU gets the rest.")
+SETTING_BOOL(showPartition, false, "Show partition", "", "", "Tints each cell by the device that made it and draws who worked when.")
+SETTING_BOOL(enableEmbree, true, "Embree takes part", "", "", "Whether the CPU works along in hybrid.")
+SETTING_BOOL(enableVulkan, true, "Vulkan takes part", "", "", "Whether Vulkan devices work along in hybrid.")
 SETTING_FLOAT(renderScale, 1.0f, 0.125f, 1.0f, "x", "Render scale", "", "up", "Rendered resolution as a share of the window. Lower is faster and softer.")
 SETTING_INT(samples, 64, 1, 65536, "per pixel", "Samples at rest", "", "up", "How many samples a pixel collects while the camera rests. More samples, smoother edges.")
 SETTING_BOOL(shadows, true, "Shadows", "shadows", "on", "Hard shadows from every light. Costs one ray per light and visible point.")

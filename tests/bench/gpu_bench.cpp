@@ -2,6 +2,7 @@
 //   heliograph-bench rays      bare tracing of primary, shadow, occlusion and diffuse rays on 0.9 million triangles at 1080p:
 //                              our tracer, the driver's ray tracing pipeline, Embree, all on the same rays; JSON
 //   heliograph-bench frames    primary + shadow + 1 occlusion ray through the device interface, by batch size; JSON
+//   heliograph-bench hybrid    the GPU and the processor together through the tile scheduler, beside each alone; JSON
 //   heliograph-bench parity    our scenes against Embree, also as a checkerboard; JSON, pictures
 //   heliograph-bench start     seconds from nothing to the first frame; JSON
 //   heliograph-bench devices   what there is
@@ -14,6 +15,8 @@
 #include "server/device/vulkan/ray_bench.h"
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/encode/png_encoder.h"
+#include "server/lab/hybrid_bench.h"
+#include "server/render/device_switch.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/generate/generate.h"
 #include "shaders/kernel/kernel.h"
@@ -351,6 +354,41 @@ ordered_json benchParity(const Options& options) {
     return json;
 }
 
+// ---- hybrid ----
+
+/// Our scenes on the GPU and the processor together, at 1, 4 and 16 samples a frame.
+ordered_json benchTogether(const Options& options) {
+    const std::string gpu = "vulkan:" + std::to_string(vulkanContext(vulkanOptions(options))->find(options.device).index);
+    TileScheduler scheduler;
+    ordered_json json;
+    for (const char* name : {"courtyard", "cathedral", "glass"}) {
+        SceneBuilder builder(name);
+        generateScene(name, builder);
+        auto scene = builder.finish();
+        DeviceOffer offer;
+        offer.team = {"embree", gpu};
+        offer.nameOf = [](const Settings& settings) { return Settings::choiceWord("device", settings.device); };
+        offer.make = [&](const std::string& word) {
+            return word == "embree" ? makeEmbreeDevice() : makeVulkanDevice(word.substr(7), vulkanOptions(options));
+        };
+        auto device = makeDeviceSwitch(offer, scheduler, {{}, true, false});
+        HybridBenchOptions wanted;
+        wanted.camera = cameraFrom(scene->cameras.front());
+        wanted.resolution = options.size;
+        wanted.repetitions = std::min(options.repetitions, 15u);
+        wanted.devices = offer.team;
+        wanted.warmUp = 40;
+        Settings hybrid = wanted.settings;
+        hybrid.set("device", "hybrid");
+        device->load(scene, hybrid, {});
+        for (uint32_t samples : {1u, 4u, 16u}) {
+            wanted.samples = samples;
+            json[name].push_back(toJson(benchHybrid(*device, *scene, wanted, {})));
+        }
+    }
+    return json;
+}
+
 ordered_json listDevices() {
     std::string why;
     ordered_json json = ordered_json::array();
@@ -388,9 +426,10 @@ int run(const Options& options) {
     if (options.command == "rays") json = benchRays(options);
     else if (options.command == "frames") json = benchFrames(options);
     else if (options.command == "parity") json = benchParity(options);
+    else if (options.command == "hybrid") json = benchTogether(options);
     else if (options.command == "start") json = benchStart(options);
     else if (options.command == "devices") json = listDevices();
-    else throw std::runtime_error("command: '" + options.command + "'; allowed: rays frames parity start devices");
+    else throw std::runtime_error("command: '" + options.command + "'; allowed: rays frames hybrid parity start devices");
     std::cout << json.dump(2, ' ', false, ordered_json::error_handler_t::replace) << std::endl;
     return 0;
 }

@@ -41,6 +41,7 @@ step start 60 start
 step rays 90 rays
 step rays-4k 90 rays --size 3840x2160 --repetitions 15
 step frames 90 frames
+step hybrid 240 hybrid
 step parity 60 parity --out "$out"
 step validated 60 parity --validation --size 320x180 --out "$(mktemp -d)"
 echo "$failed failed" | tee -a "$log"

@@ -86,7 +86,7 @@ TEST(Balance, WhatIsNotKnownIsMeasuredAndMeasuredAgain) {
     EXPECT_EQ(again.reason.rfind("parked, measured again: all others", 0), 0u) << again.reason;
     // Measuring it would take processors away from one that is known.
     devices[1].silicon = "gpu";
-    EXPECT_EQ(chooseParts(devices, 1e3)[1].reason, "shares its processors with gpu, which is measured already");
+    EXPECT_EQ(chooseParts(devices, 1e3)[1].reason, "shares its processors with gpu, which goes first");
 }
 
 TEST(Balance, WhoeverIsParkedHasAReason) {

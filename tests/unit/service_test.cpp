@@ -43,7 +43,7 @@ ServiceOptions options() {
     o.defaults.samples = 1;
     o.devices.words = {"auto", "embree"};
     o.devices.nameOf = [](const Settings&) { return "embree"; };
-    o.devices.make = [](const std::string&, DeviceNotice) { return std::make_unique<GreyDevice>(); };
+    o.devices.make = [](const std::string&) { return std::make_unique<GreyDevice>(); };
     o.openScene = [](const std::string& name, const Progress&) {
         if (name == "bad") throw InputError("bad", "cannot be read", "another");
         auto scene = std::make_shared<Scene>();

@@ -57,7 +57,7 @@ public:
         return std::make_shared<int>(0);
     }
     bool grantPixels(uint32_t, uint64_t pixels) override { return pixels <= pixelLimit; }
-    std::vector<std::string> devices() const override { return {"auto", "embree", "raster"}; }
+    std::vector<std::string> devices() const override { return {"auto", "embree", "raster", "hybrid"}; }
     size_t viewerCount() const override { return 3; }
     Turns& turns() override { return turns_; }
     Metrics& metrics() override { return metrics_; }
@@ -244,13 +244,62 @@ TEST(Session, OffersAndTakesOnlyDevicesThatAreHere) {
     json schema = line.socket->last("hello")["schema"];
     auto row = std::find_if(schema.begin(), schema.end(), [](const json& r) { return r["name"] == "device"; });
     ASSERT_NE(row, schema.end());
-    EXPECT_EQ((*row)["choices"], json({"auto", "embree", "raster"}));
+    EXPECT_EQ((*row)["choices"], json({"auto", "embree", "raster", "hybrid"}));
     line.say({{"type", "settings"}, {"inputId", 2}, {"values", {{"device", "vulkan:3"}, {"samples", 5}}}});
     EXPECT_EQ(line.socket->last("error")["message"],
-              "settings.device: vulkan:3 is not here; allowed: one of auto embree raster");
+              "settings.device: vulkan:3 is not here; allowed: one of auto embree raster hybrid");
     line.say({{"type", "settings"}, {"inputId", 3}, {"values", {{"device", "raster"}}}});
     EXPECT_EQ(line.socket->last("settings")["values"]["device"], "raster");
     EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 1) << "the refused message changed something";
+}
+
+TEST(Session, AFrameIsPrecededByItsPartitionWhereThatIsAskedFor) {
+    Line line;
+    line.session->begin();
+    line.size(80, 48);
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    EXPECT_TRUE(line.socket->last("partition").is_null());
+    line.say({{"type", "settings"}, {"values", {{"showPartition", true}}}, {"inputId", 2}});
+    ASSERT_TRUE(line.socket->untilFrame(2));
+    const json partition = line.socket->last("partition");
+    EXPECT_EQ(partition["frameId"], line.socket->headers[1].frameId);
+    EXPECT_EQ(partition["width"], 80);
+    EXPECT_EQ(partition["cellWidth"], 32);
+    EXPECT_EQ(partition["devices"], json({"embree"}));
+    EXPECT_EQ(partition["cells"], "000000");  // 3 x 2
+    EXPECT_EQ(partition["timeline"]["workers"][0]["device"], "embree");
+    EXPECT_EQ(partition["timeline"]["workers"][0]["batches"][0][2], 6);
+}
+
+TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "settings"}, {"inputId", 2},
+              {"values", {{"device", "hybrid"}, {"enableEmbree", false}, {"enableVulkan", false}}}});
+    EXPECT_NE(line.socket->last("error")["message"].get<std::string>().find("true for one of them"), std::string::npos);
+    line.say({{"type", "settings"}, {"values", {{"device", "hybrid"}, {"enableVulkan", false}}}, {"inputId", 3}});
+    EXPECT_EQ(line.socket->last("settings")["values"]["device"], "hybrid");
+}
+
+TEST(Messages, StatisticsSayWhoTookPartAndWhyNot) {
+    ViewerStats stats;
+    stats.schedule.devices = {{"embree"}, {"vulkan:0", {Part::parked, "switched off"}}, {"vulkan:1", {Part::parked, "lost it"}, true}};
+    stats.schedule.devices[0].cost = 10.0;
+    stats.schedule.devices[0].rate = 5e6;
+    stats.schedule.begin = 1.0;
+    stats.schedule.end = 2.0;
+    stats.schedule.seconds = 1.0;
+    stats.schedule.batches = 4;
+    stats.schedule.workers = {{0, 0, {{1.0, 1.75, 9}}}};
+    const json message = json::parse(statsMessage(stats));
+    ASSERT_EQ(message["parts"].size(), 3u);
+    EXPECT_EQ(message["parts"][0], json({{"device", "embree"}, {"part", "works"}, {"reason", ""}, {"mraysPerSecond", 5.0},
+                                         {"share", 1.0}, {"idleShare", 0.25}}));
+    EXPECT_EQ(message["parts"][1]["part"], "parked");
+    EXPECT_EQ(message["parts"][1]["reason"], "switched off");
+    EXPECT_EQ(message["parts"][2]["part"], "lost");
+    EXPECT_EQ(message["scheduler"]["batches"], 4);
+    EXPECT_FALSE(json::parse(statsMessage(ViewerStats())).contains("parts"));
 }
 
 TEST(Session, NoticesReachTheViewer) {

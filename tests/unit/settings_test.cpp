@@ -76,7 +76,7 @@ TEST(Settings, RefusalNamesFieldValueAndRange) {
     EXPECT_EQ(refusal("exposure", 11.5), "setting exposure: 11.5; allowed: a number from -10 to 10 (EV)");
     EXPECT_EQ(refusal("shadows", 1), "setting shadows: 1; allowed: true or false");
     EXPECT_EQ(refusal("toneCurve", "hot"), "setting toneCurve: \"hot\"; allowed: one of filmic linear");
-    EXPECT_THAT(refusal("sampels", 4), HasSubstr("setting: unknown name \"sampels\"; allowed: one of device renderScale"));
+    EXPECT_THAT(refusal("sampels", 4), HasSubstr("setting: unknown name \"sampels\"; allowed: one of device hybridBalance"));
 }
 
 TEST(Settings, WrongTypesAreRefused) {

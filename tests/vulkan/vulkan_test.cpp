@@ -8,7 +8,7 @@
 
 #include "server/base/error.h"
 #include "server/render/frame_renderer.h"
-#include "server/render/spare_device.h"
+#include "server/render/device_switch.h"
 #include "server/scene/scene_source.h"
 #include "tests/support/test_scenes.h"
 
@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <thread>
 
 namespace heliograph {
 namespace {
@@ -209,6 +210,18 @@ TEST_F(Vulkan, StopsBetweenBatches) {
     EXPECT_EQ(delivered, 0u);
 }
 
+/// A Vulkan device with the processor behind it.
+std::unique_ptr<Device> withSpare(std::function<std::unique_ptr<Device>()> make, TileScheduler& scheduler, std::string& told) {
+    DeviceOffer offer;
+    offer.words = {"vulkan:0", "embree"};
+    offer.nameOf = [](const Settings&) { return "vulkan:0"; };
+    offer.make = [make](const std::string& name) { return name == "embree" ? makeEmbreeDevice() : make(); };
+    offer.spare = "embree";
+    DeviceSwitchOptions options;
+    options.notice = [&told](const std::string& what) { told = what; };
+    return makeDeviceSwitch(std::move(offer), scheduler, std::move(options));
+}
+
 TEST_F(Vulkan, TooLittleMemoryIsSaidAndTheSpareMakesTheSamePicture) {
     auto scene = openScene("cornell");
     Settings settings = occludedSettings();
@@ -216,7 +229,8 @@ TEST_F(Vulkan, TooLittleMemoryIsSaidAndTheSpareMakesTheSamePicture) {
     tight.memoryLimit = 1 << 20;
     EXPECT_THROW(makeVulkanDevice("", tight)->load(scene, settings, {}), VulkanError);
     std::string told;
-    auto device = makeSpareDevice(makeVulkanDevice("", tight), makeEmbreeDevice(), [&](const std::string& what) { told = what; });
+    TileScheduler scheduler;
+    auto device = withSpare([&] { return makeVulkanDevice("", tight); }, scheduler, told);
     device->load(scene, settings, {});
     auto cpu = makeEmbreeDevice();
     cpu->load(scene, settings, {});
@@ -248,8 +262,8 @@ TEST_F(Vulkan, DeviceLostMidFrameLeavesACompleteAndEqualFrame) {
     Settings settings = occludedSettings();
     settings.tileWidth = settings.tileHeight = 1;
     std::string told;
-    auto device = makeSpareDevice(std::make_unique<LostDevice>(makeVulkanDevice("", checked()), 5), makeEmbreeDevice(),
-                                  [&](const std::string& what) { told = what; });
+    TileScheduler scheduler;
+    auto device = withSpare([] { return std::make_unique<LostDevice>(makeVulkanDevice("", checked()), 5); }, scheduler, told);
     auto cpu = makeEmbreeDevice();
     device->load(scene, settings, {});
     cpu->load(scene, settings, {});
@@ -257,6 +271,30 @@ TEST_F(Vulkan, DeviceLostMidFrameLeavesACompleteAndEqualFrame) {
     EXPECT_EQ(differing(picture(*device, request, 3), picture(*cpu, request, 3)), 0u);
     EXPECT_THAT(told, HasSubstr("device lost"));
     EXPECT_EQ(device->info().name, "embree");
+}
+
+// Two streams at once, as the scheduler uses a GPU, and one call of everything give the same bits.
+TEST_F(Vulkan, StreamsSideBySideMakeTheSamePicture) {
+    auto scene = openScene("cornell");
+    Settings settings = occludedSettings();
+    auto gpu = makeVulkanDevice("", checked());
+    gpu->load(scene, settings, {});
+    EXPECT_GT(gpu->info().batchSeconds, 0.0);
+    FrameRequest request = requestFor(*scene, settings, {96, 64});
+    const std::vector<vec4> whole = picture(*gpu, request);
+    Film film;
+    film.reset(request.resolution, 1);
+    request.generation = 1;
+    gpu->warmUp(request);
+    const std::vector<Tile> tiles = film.tilesFor(0, 1, {32, 32});
+    auto sink = [&](TileResult&& result) { EXPECT_TRUE(film.add(result)); };
+    {
+        std::jthread first([&] { gpu->renderStream(request, std::span(tiles).first(3), sink, {}); });
+        std::jthread second([&] { gpu->renderStream(request, std::span(tiles).subspan(3), sink, {}); });
+    }
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    EXPECT_EQ(differing(pixels, whole), 0u);
 }
 
 // The preview sees what a camera ray sees: its depth and normals are those of the traced hit.

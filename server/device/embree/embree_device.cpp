@@ -20,6 +20,9 @@ namespace heliograph {
 
 namespace {
 
+/// Setting up a call of renderStream, as measured.
+constexpr double BATCH_SECONDS = 5e-6;
+
 double threadSeconds() {
     timespec now;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -53,6 +56,8 @@ public:
                        + tileProgramTable().instructionSet;
         info.silicon = "cpu";
         info.workers = static_cast<uint32_t>(tbb::this_task_arena::max_concurrency());
+        info.streams = info.workers;
+        info.batchSeconds = BATCH_SECONDS;
         return info;
     }
 
@@ -63,39 +68,62 @@ public:
         build(settings, progress);
     }
 
+    DeviceInfo infoFor(const Settings& settings) const override {
+        DeviceInfo result = info();
+        if (settings.embreeThreads > 0) result.workers = settings.embreeThreads;
+        result.streams = result.workers;
+        return result;
+    }
+
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                 std::stop_token stop) override {
-        std::shared_ptr<EmbreeScene> scene = sceneFor(request.settings);
-        FrameConstants frame = frameConstants(scene->scene(), request);
-        TileJob common;
-        common.rtcScene = scene->handle();
-        common.view = &scene->view();
-        common.frame = &frame;
-        common.coherentPrimary = scene->coherentPrimary();
-        common.coherentShadows = scene->coherentShadows();
-        TraceOptions& options = common.options;
-        options.primaryWidth = request.settings.primaryPackets ? width_ : 1;
-        options.secondaryWidth = request.settings.secondaryPackets ? width_ : 1;
-        uint32_t program = chooseTileProgram(tileProgramTable(), request.effects.bits);
-        std::atomic<size_t> next{0};
-        auto work = [&] {
-            _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-            _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-            TileProgram& worker = workers_.local().program(program);
-            for (size_t i; !stop.stop_requested() && (i = next.fetch_add(1)) < tiles.size();) {
-                TileResult result;
-                result.tile = tiles[i];
-                result.device = "embree";
-                double begin = threadSeconds();
-                renderTile(worker, common, result);
-                result.seconds = threadSeconds() - begin;
-                sink(std::move(result));
-            }
-        };
-        inArena(request.settings.embreeThreads, work);
+        Frame frame(*this, request);
+        inArena(request.settings.embreeThreads, [&] { renderTiles(frame, tiles, sink, stop); });
+    }
+
+    void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                      std::stop_token stop) override {
+        Frame frame(*this, request);
+        renderTiles(frame, tiles, sink, stop);
     }
 
 private:
+    /// What the tiles of one call have in common.
+    struct Frame {
+        Frame(EmbreeDevice& device, const FrameRequest& request)
+            : scene(device.sceneFor(request.settings)), constants(frameConstants(scene->scene(), request)),
+              program(chooseTileProgram(tileProgramTable(), request.effects.bits)) {
+            job.rtcScene = scene->handle();
+            job.view = &scene->view();
+            job.frame = &constants;
+            job.coherentPrimary = scene->coherentPrimary();
+            job.coherentShadows = scene->coherentShadows();
+            job.options.primaryWidth = request.settings.primaryPackets ? device.width_ : 1;
+            job.options.secondaryWidth = request.settings.secondaryPackets ? device.width_ : 1;
+        }
+        std::shared_ptr<EmbreeScene> scene;
+        FrameConstants constants;
+        TileJob job;
+        uint32_t program;
+        std::atomic<size_t> next{0};  // tile
+    };
+
+    /// Renders tiles of the frame on the calling thread until none is left.
+    void renderTiles(Frame& frame, std::span<const Tile> tiles, const TileSink& sink, const std::stop_token& stop) {
+        _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+        _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+        TileProgram& program = workers_.local().program(frame.program);
+        for (size_t i; !stop.stop_requested() && (i = frame.next.fetch_add(1)) < tiles.size();) {
+            TileResult result;
+            result.tile = tiles[i];
+            result.device = "embree";
+            double begin = threadSeconds();
+            renderTile(program, frame.job, result);
+            result.seconds = threadSeconds() - begin;
+            sink(std::move(result));
+        }
+    }
+
     static void renderTile(TileProgram& program, const TileJob& common, TileResult& result) {
         TileJob job = common;
         job.tile = result.tile;

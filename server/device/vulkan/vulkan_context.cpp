@@ -5,6 +5,7 @@
 #include "server/device/vulkan/physical_device.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
 
@@ -30,6 +31,8 @@ std::string lower(std::string text) {
 }  // namespace
 
 VulkanContext::VulkanContext(const VulkanOptions& options) : options_(options) {
+    // Mesa reads it when it makes its devices.
+    if (options.lastCoreOnly) setenv("LP_NUM_THREADS", "1", 1);
     create();
     uint32_t count = 0;
     check(vkEnumeratePhysicalDevices(instance_, &count, nullptr), "list devices");
@@ -110,9 +113,7 @@ std::shared_ptr<VulkanContext> vulkanContext(const VulkanOptions& options) {
     static std::weak_ptr<VulkanContext> shared;
     std::lock_guard lock(mutex);
     std::shared_ptr<VulkanContext> context = shared.lock();
-    if (context && context->options().validation == options.validation &&
-        context->options().memoryLimit == options.memoryLimit && context->options().batchSamples == options.batchSamples)
-        return context;
+    if (context && context->options() == options) return context;
     auto made = std::make_shared<VulkanContext>(options);
     if (!context) shared = made;
     return made;

@@ -5,10 +5,18 @@
 
 #include <tbb/parallel_for.h>
 
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <map>
 #include <mutex>
+#include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace heliograph {
 
@@ -19,14 +27,40 @@ using Clock = std::chrono::steady_clock;
 constexpr size_t IN_FLIGHT = 2;
 constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to reach its clock
 
+/// Keeps the calling thread, and threads that it starts, on the last core until `restore`.
+class LastCore {
+public:
+    explicit LastCore(bool wanted) : wanted_(wanted) {
+        if (!wanted_) return;
+        pthread_getaffinity_np(pthread_self(), sizeof before_, &before_);
+        int last = 0;
+        for (int core = 0; core < CPU_SETSIZE; core++)
+            if (CPU_ISSET(core, &before_)) last = core;
+        cpu_set_t one;
+        CPU_ZERO(&one);
+        CPU_SET(last, &one);
+        pthread_setaffinity_np(pthread_self(), sizeof one, &one);
+    }
+    ~LastCore() { restore(); }
+    void restore() {
+        if (std::exchange(wanted_, false)) pthread_setaffinity_np(pthread_self(), sizeof before_, &before_);
+    }
+
+private:
+    bool wanted_;
+    cpu_set_t before_;
+};
+
 class VulkanDevice : public Device {
 public:
     VulkanDevice(const std::string& which, const VulkanOptions& options)
-        : context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
+        : pinned_(options.lastCoreOnly), context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
           pipelines_(gpu_, GpuScene::widthFor(gpu_.physical())) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
         name_ = "vulkan:" + std::to_string(gpu_.physical().index);
+        silicon_ = !gpu_.physical().isCpu() ? "gpu:" + std::to_string(gpu_.physical().index) : options.lastCoreOnly ? "last core" : "cpu";
+        pinned_.restore();
     }
 
     ~VulkanDevice() override { vkDeviceWaitIdle(gpu_.handle()); }
@@ -36,19 +70,24 @@ public:
         DeviceInfo info;
         info.name = name_;
         info.details = physical.name + ", " + physical.driver + ", Vulkan " + physical.api;
-        info.silicon = physical.isCpu() ? "cpu" : "gpu:" + std::to_string(physical.index);
+        info.silicon = silicon_;
         info.workers = physical.isCpu() ? 4 : 128;
+        // While one batch is traced, the host adds the other one to the film.
+        info.streams = physical.isCpu() ? 1 : 2;
+        info.batchSeconds = batchSeconds_;
+        info.stampsTiles = false;  // streams share the queue
         return info;
     }
 
     void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
-        std::lock_guard lock(mutex_);
+        std::unique_lock lock(mutex_);
+        untilIdle(lock);
         residents_.clear();
         source_ = std::move(scene);
         try {
             Resident& resident = residentFor(settings, progress);
             report(progress, "warming up", 0.95);
-            warmUp(resident, settings);
+            warmUp(resident, firstRequest(settings));
         } catch (...) {
             residents_.clear();
             source_.reset();
@@ -63,14 +102,41 @@ public:
 
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                 std::stop_token stop) override {
-        std::lock_guard lock(mutex_);
+        std::unique_lock lock(mutex_);
         if (!source_) throw std::logic_error("render before load");
+        untilIdle(lock);
         try {
             renderAll(residentFor(request.settings, {}), request, tiles, sink, stop);
         } catch (...) {
             abandon();
             throw;
         }
+    }
+
+    void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                      std::stop_token stop) override {
+        for (size_t next = 0; next < tiles.size() && !stop.stop_requested();) {
+            Batch* batch = nullptr;
+            try {
+                batch = submitNext(request, tiles, next);
+                const double seconds = batch->finish();
+                learn(seconds, batch->samples());
+                handOver(*batch, seconds, sink);
+                release(*batch, false);
+            } catch (...) {
+                std::lock_guard lock(mutex_);
+                vkDeviceWaitIdle(gpu_.handle());
+                if (batch) release(*batch, true);
+                throw;
+            }
+        }
+    }
+
+    void warmUp(const FrameRequest& request) override {
+        std::unique_lock lock(mutex_);
+        if (!source_) throw std::logic_error("warm-up before load");
+        untilIdle(lock);
+        warmUp(residentFor(request.settings, {}), request);
     }
 
 private:
@@ -89,12 +155,59 @@ private:
         return residents_.emplace(settings.bvhQuality, std::move(made)).first->second;
     }
 
+    // Submits as many tiles from `next` on as make a batch, in one that nobody else uses.
+    Batch* submitNext(const FrameRequest& request, std::span<const Tile> tiles, size_t& next) {
+        std::unique_lock lock(mutex_);
+        if (!source_) throw std::logic_error("render before load");
+        Resident& resident = residentFor(request.settings, {});
+        Batch* batch = nullptr;
+        idle_.wait(lock, [&] {
+            for (const auto& candidate : resident.batches)
+                if (!inUse_.contains(candidate.get())) batch = candidate.get();
+            return batch != nullptr;
+        });
+        inUse_.insert(batch);
+        try {
+            const uint64_t wanted = size_.samples();
+            while (next < tiles.size() && batch->takes(tiles[next], wanted)) batch->add(tiles[next++]);
+            batch->submit(pipelineFor(resident, request), frameConstants(*source_, request));
+        } catch (...) {
+            batch->forget();
+            inUse_.erase(batch);
+            throw;
+        }
+        return batch;
+    }
+
+    void learn(double seconds, uint64_t samples) {
+        std::lock_guard lock(mutex_);
+        size_.learn(seconds, samples);
+    }
+
+    // Gives a batch back; a failed one may hold anything. Mutex: taken here unless it `failed`.
+    void release(Batch& batch, bool failed) {
+        std::unique_lock<std::mutex> lock(mutex_, std::defer_lock);
+        if (!failed) lock.lock();
+        if (failed) batch.forget();
+        else batch.clear();
+        inUse_.erase(&batch);
+        idle_.notify_all();
+    }
+
+    // Streams are over; with the lock held no new one begins.
+    void untilIdle(std::unique_lock<std::mutex>& lock) {
+        idle_.wait(lock, [&] { return inUse_.empty(); });
+    }
+
+    VkPipeline pipelineFor(const Resident& resident, const FrameRequest& request) {
+        return pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), resident.scene->stackDepth(),
+                              resident.scene->varieties());
+    }
+
     // Batches in order: while one is traced, the one before is handed over.
     void renderAll(Resident& resident, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
         FrameConstants frame = frameConstants(*source_, request);
-        VkPipeline pipeline =
-            pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), resident.scene->stackDepth(),
-                           resident.scene->varieties());
+        VkPipeline pipeline = pipelineFor(resident, request);
         size_t next = 0;
         for (size_t turn = 0;; turn++) {
             Batch& batch = *resident.batches[turn % IN_FLIGHT];
@@ -117,12 +230,16 @@ private:
     void deliver(Batch& batch, const TileSink& sink) {
         double seconds = batch.finish();
         size_.learn(seconds, batch.samples());
+        handOver(batch, seconds, sink);
+        batch.clear();
+    }
+
+    void handOver(const Batch& batch, double seconds, const TileSink& sink) {
         tbb::parallel_for(size_t(0), batch.tileCount(), [&](size_t i) {
             TileResult result = batch.result(i, seconds);
             result.device = name_;
             sink(std::move(result));
         });
-        batch.clear();
     }
 
     // After a failure: nothing may be in flight when the next frame begins. A lost device says so at once.
@@ -132,31 +249,48 @@ private:
             for (auto& batch : resident.batches) batch->forget();
     }
 
-    // Compiles what the settings call for (drivers do so at the first dispatch), and wakes the clocks of a GPU.
-    void warmUp(Resident& resident, const Settings& settings) {
-        const Scene& scene = *source_;
+    // A picture of the scene as its first viewer will see it.
+    FrameRequest firstRequest(const Settings& settings) const {
         FrameRequest request;
         request.settings = settings;
-        request.effects.bits = effectsOf(scene).bits & allowedEffects(settings).bits;
-        request.camera = scene.cameras.empty() ? Camera{} : cameraFrom(scene.cameras.front());
-        bool gpu = !gpu_.physical().isCpu();
+        request.effects.bits = effectsOf(*source_).bits & allowedEffects(settings).bits;
+        request.camera = source_->cameras.empty() ? Camera{} : cameraFrom(source_->cameras.front());
+        return request;
+    }
+
+    // Compiles what the request calls for (drivers do so at the first dispatch), wakes the clocks of a GPU, and measures what
+    // a batch costs beside its work.
+    void warmUp(Resident& resident, FrameRequest request) {
+        const bool gpu = !gpu_.physical().isCpu();
         request.resolution = gpu ? uvec2(1024, 1024) : uvec2(8, 8);
         Tile tile;
         tile.size = request.resolution;
+        auto render = [&] { renderAll(resident, request, {&tile, 1}, [](TileResult&&) {}, {}); };
         auto end = Clock::now() + CLOCK_WARM_UP;
-        do renderAll(resident, request, {&tile, 1}, [](TileResult&&) {}, {});
+        do render();
         while (gpu && Clock::now() < end);
+        tile.size = uvec2(8, 8);
+        batchSeconds_ = 1.0;
+        for (int i = 0; i < 4; i++) {
+            const auto begin = Clock::now();
+            render();
+            batchSeconds_ = std::min(batchSeconds_.load(), std::chrono::duration<double>(Clock::now() - begin).count());
+        }
         size_.secondsPerSample = 0.0;
     }
 
+    LastCore pinned_;  // first: threads that start below stay where it is
     std::shared_ptr<VulkanContext> context_;
     Gpu gpu_;
-    std::string name_;
+    std::string name_, silicon_;
     TracePipelines pipelines_;
     std::shared_ptr<const Scene> source_;
     std::map<uint32_t, Resident> residents_;  // by bvhQuality
     BatchSize size_;
+    std::atomic<double> batchSeconds_{0.0};
     std::mutex mutex_;
+    std::condition_variable idle_;
+    std::set<const Batch*> inUse_;  // by streams
 };
 
 }  // namespace

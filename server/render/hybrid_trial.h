@@ -1,0 +1,32 @@
+#pragma once
+// Whether several devices together are really faster than the best one alone. What the balance predicts leaves out how
+// they slow each other down (memory, shared processors, results that have to be added to the film), so it is measured: now
+// and then some frames are made the other way. Pure; time is an argument.
+
+#include <cstdint>
+
+namespace heliograph {
+
+class HybridTrial {
+public:
+    /// How the next frame should be made. `now` in seconds.
+    bool together(double now);
+    /// A frame of that cost took that long, made as `together` had said last.
+    void note(double cost, double seconds, double now);
+    /// Gain of all together over the best one alone, as measured: 0.1 = ten per cent. 0 until both were measured.
+    double gain() const;
+    bool measured() const { return sides_[0].rate > 0.0 && sides_[1].rate > 0.0; }
+
+private:
+    struct Side {
+        double rate = 0.0;     // cost a second, smoothed
+        uint32_t frames = 0;   // in a row, in this turn
+        double measuredAt = 0.0;
+    };
+    static constexpr int ALONE = 0, TOGETHER = 1;
+
+    Side sides_[2];
+    int side_ = TOGETHER;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,24 @@
+#pragma once
+// Which device made which part of a pass, and who worked when: what the page tints and draws.
+
+#include "server/render/schedule_report.h"
+#include "server/render/tile.h"
+
+namespace heliograph {
+
+struct Partition {
+    static constexpr uint8_t NOBODY = 255;
+
+    uvec2 resolution{0, 0};  // pixels of the film
+    uvec2 cellSize{0, 0};    // pixels
+    std::vector<std::string> devices;
+    std::vector<uint8_t> makers;  // by cell, row-major: index in `devices`
+    ScheduleReport report;
+
+    uvec2 cells() const { return (resolution + cellSize - 1u) / cellSize; }
+    void begin(uvec2 resolution, uvec2 cellSize);
+    /// A tile, which is one cell, was made by that device.
+    void note(const Tile& tile, const std::string& device);
+};
+
+}  // namespace heliograph

@@ -1,0 +1,298 @@
+#include "server/render/tile_run.h"
+
+#include "server/base/clock.h"
+#include "server/render/film.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+namespace heliograph {
+
+namespace {
+
+constexpr uint32_t NO_TILE = UINT32_MAX;
+/// Devices that were asked to stop are waited for this long (seconds); batches last less.
+constexpr double STOP_PATIENCE = 0.5;
+constexpr double LONGEST_SLEEP = 0.01;
+
+uint64_t samplesOf(const Tile& tile) { return std::max<uint64_t>(tile.sampleCount, 1); }
+
+}  // namespace
+
+TileRun::TileRun(TileWork work, std::vector<Participant> participants, const std::vector<DeviceReport>& absent)
+    : work_(std::move(work)), participants_(std::move(participants)) {
+    const size_t count = work_.tiles.size();
+    const uvec2 blocks = (work_.request.resolution + Film::BLOCK - 1u) / Film::BLOCK;
+    blockColumns_ = blocks.x;
+    tileByBlock_.assign(static_cast<size_t>(blocks.x) * blocks.y, NO_TILE);
+    for (uint32_t i = 0; i < count; i++) {
+        const uvec2 block = work_.tiles[i].origin / Film::BLOCK;
+        tileByBlock_[block.y * blockColumns_ + block.x] = i;
+    }
+    cells_ = std::make_unique<std::atomic<Cell>[]>(count);
+    for (size_t i = 0; i < count; i++) cells_[i].store(Cell::open, std::memory_order_relaxed);
+    rays_.assign(count, 0.0f);
+
+    std::vector<BalanceDevice> known;
+    std::vector<DevicePart> parts;
+    for (const Participant& p : participants_) {
+        known.push_back(p.known);
+        parts.push_back(p.part);
+        DeviceReport device{p.info.name, p.part};
+        device.rate = p.known.workers * p.known.rate;
+        report_.devices.push_back(device);
+    }
+    report_.devices.insert(report_.devices.end(), absent.begin(), absent.end());
+    report_.begin = wallSeconds();
+    balance_.begin(known, parts, work_.costs, work_.deviation, work_.order, report_.begin);
+    inWork_.resize(balance_.workerCount());
+    serving_.assign(balance_.workerCount(), false);
+    uint32_t stream = 0;
+    for (uint32_t w = 0; w < balance_.workerCount(); w++) {
+        const uint32_t device = balance_.deviceOf(w);
+        stream = w > 0 && balance_.deviceOf(w - 1) == device ? stream + 1 : 0;
+        workers_.push_back({device, stream, {}});
+    }
+}
+
+void TileRun::render(WorkerCrew& crew, std::stop_token stop, bool giveUp) {
+    std::stop_callback forward(stop, [&] {
+        stop_.request_stop();
+        std::lock_guard lock(mutex_);
+        changed_.notify_all();
+    });
+    std::unique_lock lock(mutex_);
+    crew_ = &crew;
+    if (!balance_.done() && !stop.stop_requested()) startIdle();
+    while (wait(lock, giveUp)) {
+        const double now = wallSeconds();
+        if (balance_.nextOverdue() > now) continue;
+        for (const auto& batch : inWork_) {
+            if (batch) flush(*batch);
+        }
+        const uint32_t before = balance_.undelivered();
+        if (before > 0 && balance_.checkOverdue(now)) {
+            startIdle();
+            changed_.notify_all();
+        }
+    }
+    close(lock);
+}
+
+/// Sleeps until something may have to be done. False when the run is over.
+bool TileRun::wait(std::unique_lock<std::mutex>& lock, bool giveUp) {
+    auto over = [&] {
+        if (balance_.done() || balance_.hopeless() || stop_.stop_requested()) return true;
+        if (!giveUp) return false;
+        for (uint32_t w = 0; w < balance_.workerCount(); w++) {
+            if (balance_.isActive(w) && !balance_.isSuspect(w)) return false;
+        }
+        return true;
+    };
+    if (over()) return false;
+    // Batches that begin meanwhile may be due sooner.
+    const double due = std::min(balance_.nextOverdue() - wallSeconds(), LONGEST_SLEEP);
+    if (due > 0.0) changed_.wait_for(lock, std::chrono::duration<double>(due));
+    return !over();
+}
+
+/// Ends the run: devices are asked to stop, and those that do not stall are waited for.
+void TileRun::close(std::unique_lock<std::mutex>& lock) {
+    over_ = true;
+    stop_.request_stop();
+    changed_.notify_all();
+    report_.end = wallSeconds();
+    auto awaited = [&] {
+        for (uint32_t w = 0; w < serving_.size(); w++) {
+            if (serving_[w] && inWork_[w] && !balance_.isSuspect(w)) return true;
+        }
+        return false;
+    };
+    changed_.wait_for(lock, std::chrono::duration<double>(STOP_PATIENCE), [&] { return !awaited(); });
+    closed_ = true;
+    while (inSink_.load() > 0) std::this_thread::yield();
+    report_.seconds = report_.end - report_.begin;
+    for (WorkerReport& worker : workers_) {
+        if (!worker.batches.empty()) report_.workers.push_back(std::move(worker));
+    }
+}
+
+/// Gives a thread to each worker that may work and has none; slow ones ask first.
+void TileRun::startIdle() {
+    auto start = [&](uint32_t worker) {
+        if (serving_[worker] || !balance_.isActive(worker)) return;
+        std::optional<FrameBalance::Batch> batch = nextBatch(worker);
+        if (!batch && report_.batches > 0 && !balance_.waiting()) return;
+        serving_[worker] = true;
+        crew_->run([self = shared_from_this(), worker, batch] { self->serve(worker, batch); });
+    };
+    for (uint32_t worker : balance_.askOrder()) start(worker);
+    for (uint32_t worker = 0; worker < balance_.workerCount(); worker++) start(worker);  // parked ones that were called
+}
+
+/// With the lock held. The batch is the worker's from now on.
+std::optional<FrameBalance::Batch> TileRun::nextBatch(uint32_t worker) {
+    const double before = wallSeconds();
+    std::optional<FrameBalance::Batch> batch = balance_.next(worker, before);
+    report_.decisionSeconds += wallSeconds() - before;
+    if (!batch) return {};
+    while (hands_.size() <= batch->id) hands_.emplace_back();
+    Hand& hand = hands_[batch->id];
+    hand.begin = before;
+    for (uint32_t i = batch->first; i < batch->last; i++) {
+        const uint32_t tile = balance_.order()[i];
+        const Cell state = cells_[tile].load();
+        if (state != Cell::open) continue;
+        hand.tiles.push_back(work_.tiles[tile]);
+        if (i >= work_.order.size()) report_.reissued++;
+    }
+    inWork_[worker] = batch;
+    report_.batches++;
+    return batch;
+}
+
+/// A worker's life in this run.
+void TileRun::serve(uint32_t worker, std::optional<FrameBalance::Batch> batch) {
+    std::unique_lock lock(mutex_);
+    while (!over_) {
+        if (!batch) {
+            changed_.wait(lock, [&] { return over_ || (batch = nextBatch(worker)).has_value(); });
+            if (over_) break;
+        }
+        Hand& hand = hands_[batch->id];
+        lock.unlock();
+        const std::string failure = renderBatch(*batch, hand);
+        lock.lock();
+        settle(*batch, hand, failure);
+        inWork_[worker].reset();
+        if (!balance_.isActive(worker)) break;
+        batch.reset();
+        if (!over_) batch = nextBatch(worker);
+    }
+    inWork_[worker].reset();
+    serving_[worker] = false;
+    changed_.notify_all();
+}
+
+/// Returns what went wrong, or nothing.
+std::string TileRun::renderBatch(const FrameBalance::Batch& batch, Hand& hand) {
+    const uint32_t device = balance_.deviceOf(batch.worker);
+    Participant& participant = participants_[device];
+    participant.inside->fetch_add(1);
+    std::string failure;
+    try {
+        auto sink = [&](TileResult&& result) { take(device, hand, std::move(result)); };
+        if (!hand.tiles.empty()) participant.device->renderStream(work_.request, hand.tiles, sink, stop_.get_token());
+    } catch (const std::exception& error) {
+        failure = error.what();
+        if (failure.empty()) failure = "failed without saying why";
+    }
+    participant.inside->fetch_sub(1);
+    if (!failure.empty() || stop_.stop_requested()) return failure;
+    const auto missing = std::count_if(hand.tiles.begin(), hand.tiles.end(),
+                                       [&](const Tile& tile) { return cells_[tileAt(tile)].load() == Cell::open; });
+    if (missing > 0) {
+        failure = "left out " + std::to_string(missing) + " of " + std::to_string(hand.tiles.size()) + " tiles";
+    }
+    return failure;
+}
+
+/// The number of a tile that was asked for exactly so.
+uint32_t TileRun::tileAt(const Tile& tile) const {
+    const uvec2 block = tile.origin / Film::BLOCK;
+    const size_t at = static_cast<size_t>(block.y) * blockColumns_ + block.x;
+    if (block.x >= blockColumns_ || at >= tileByBlock_.size()) return NO_TILE;
+    const uint32_t index = tileByBlock_[at];
+    if (index == NO_TILE) return NO_TILE;
+    const Tile& asked = work_.tiles[index];
+    const bool same = asked.origin == tile.origin && asked.size == tile.size && asked.firstSample == tile.firstSample &&
+                      asked.sampleCount == tile.sampleCount && asked.generation == tile.generation;
+    return same ? index : NO_TILE;
+}
+
+/// A result, from a device's thread. The first of its tile goes on, unless the frame is over.
+void TileRun::take(uint32_t device, Hand& hand, TileResult&& result) {
+    inSink_.fetch_add(1);
+    const uint32_t tile = closed_.load() ? NO_TILE : tileAt(result.tile);
+    const bool sound = tile != NO_TILE && result.sums().size() == static_cast<size_t>(result.tile.size.x) * result.tile.size.y;
+    if (sound) {
+        const double cost = static_cast<double>(result.rays.total());
+        hand.cost.fetch_add(cost, std::memory_order_relaxed);
+        hand.seconds.fetch_add(result.seconds, std::memory_order_relaxed);
+        Cell open = Cell::open;
+        if (cells_[tile].compare_exchange_strong(open, Cell::claimed)) {
+            rays_[tile] = static_cast<float>(cost / static_cast<double>(samplesOf(result.tile)));
+            try {
+                work_.sink(std::move(result));
+                cells_[tile].store(Cell::done);
+            } catch (...) {
+                cells_[tile].store(Cell::open);
+                inSink_.fetch_sub(1);
+                throw;
+            }
+            std::atomic_ref(report_.devices[device].tiles).fetch_add(1, std::memory_order_relaxed);
+            std::atomic_ref(report_.devices[device].cost).fetch_add(cost, std::memory_order_relaxed);
+        }
+    }
+    inSink_.fetch_sub(1);
+}
+
+/// Tells the balance what of a batch has come. With the lock held.
+void TileRun::flush(const FrameBalance::Batch& batch) {
+    for (uint32_t i = batch.first; i < batch.last; i++) {
+        const uint32_t tile = balance_.order()[i];
+        if (cells_[tile].load() == Cell::done) balance_.deliver(tile);
+    }
+}
+
+/// A batch came back. With the lock held.
+void TileRun::settle(const FrameBalance::Batch& batch, const Hand& hand, const std::string& failure) {
+    if (over_) return;
+    const double now = wallSeconds();
+    const uint32_t device = balance_.deviceOf(batch.worker);
+    const uint32_t tiles = static_cast<uint32_t>(hand.tiles.size());
+    workers_[batch.worker].batches.push_back({hand.begin, now, tiles});
+    flush(batch);
+    bool cellsWait = balance_.finish(batch.id, now);
+    if (!failure.empty()) {
+        fail(device, failure);
+        cellsWait = balance_.waiting();
+    } else if (!stop_.stop_requested() && tiles > 0) {
+        const Participant& p = participants_[device];
+        const double busy = now - hand.begin - p.info.roundTrip;
+        records_.push_back({p.info.name, {hand.cost, batch.seconds, p.info.stampsTiles ? hand.seconds.load() : busy, busy}});
+    }
+    if (cellsWait) startIdle();
+    if (cellsWait || balance_.done() || balance_.hopeless()) changed_.notify_all();
+}
+
+/// A device that failed once does nothing more in this frame.
+void TileRun::fail(uint32_t device, const std::string& why) {
+    DeviceReport& report = report_.devices[device];
+    for (uint32_t w = 0; w < balance_.workerCount(); w++) {
+        if (balance_.deviceOf(w) != device) continue;
+        if (inWork_[w]) flush(*inWork_[w]);
+        balance_.lose(w);
+    }
+    if (report.lost) return;
+    report.lost = true;
+    report.part = {Part::parked, why};
+    failures_.emplace_back(report.name, why);
+}
+
+std::vector<Tile> TileRun::missing() const {
+    std::vector<Tile> tiles;
+    for (size_t i = 0; i < work_.tiles.size(); i++) {
+        if (cells_[i].load() != Cell::done) tiles.push_back(work_.tiles[i]);
+    }
+    return tiles;
+}
+
+void TileRun::noteCosts(CellCosts& costs) const {
+    for (size_t i = 0; i < work_.tiles.size(); i++) {
+        if (cells_[i].load() == Cell::done) costs.note(costs.cellAt(work_.tiles[i].origin), rays_[i]);
+    }
+}
+
+}  // namespace heliograph

@@ -1,0 +1,105 @@
+#pragma once
+// One frame, or a part of one, on several devices at once: the cells are handed out by FrameBalance, each stream of each
+// device works on a thread of its own, and one thread watches the clock. A device that throws, stalls or delivers
+// something else than it was asked for costs its batch, not the frame. Private to the tile scheduler.
+
+#include "server/render/cell_costs.h"
+#include "server/render/device.h"
+#include "server/render/frame_balance.h"
+#include "server/render/rate_book.h"
+#include "server/render/schedule_report.h"
+#include "server/render/worker_crew.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <memory>
+
+namespace heliograph {
+
+/// A device that may take part.
+struct Participant {
+    std::shared_ptr<Device> device;
+    DeviceInfo info;
+    DevicePart part;      // as decided
+    BalanceDevice known;  // what is known of it
+    /// Calls of renderStream that have not come back; outlives the frame.
+    std::shared_ptr<std::atomic<uint32_t>> inside;
+};
+
+/// What is to be made, and what is predicted of it.
+struct TileWork {
+    FrameRequest request;
+    std::vector<Tile> tiles;
+    std::vector<float> costs;     // predicted, by tile
+    double deviation = 0.0;       // see FrameBalance::begin
+    std::vector<uint32_t> order;  // of the tiles
+    TileSink sink;                // gets each tile once; called from several threads
+};
+
+class TileRun : public std::enable_shared_from_this<TileRun> {
+public:
+    /// `absent`: devices that the report shall name although they cannot take part.
+    TileRun(TileWork work, std::vector<Participant> participants, const std::vector<DeviceReport>& absent);
+
+    /// Renders until all tiles are delivered, `stop` was asked for, or nobody is left who could go on. With `giveUp` that
+    /// includes devices that owe an overdue batch; without, those are waited for. Afterwards the sink is not called any
+    /// more, and no device works on the frame except those that stall.
+    void render(WorkerCrew& crew, std::stop_token stop, bool giveUp);
+
+    /// Tiles that nobody delivered.
+    std::vector<Tile> missing() const;
+    const ScheduleReport& report() const { return report_; }
+    /// Devices that failed, and how.
+    const std::vector<std::pair<std::string, std::string>>& failures() const { return failures_; }
+    /// Finished batches, by device name; what rates are learned from.
+    const std::vector<std::pair<std::string, BatchRecord>>& records() const { return records_; }
+    /// What the tiles that were delivered turned out to cost.
+    void noteCosts(CellCosts& costs) const;
+
+private:
+    enum class Cell : uint8_t { open, claimed, done };
+    /// A batch in the hands of a device.
+    struct Hand {
+        std::vector<Tile> tiles;
+        double begin = 0.0;
+        std::atomic<double> cost{0.0}, seconds{0.0};
+    };
+
+    void startIdle();
+    void serve(uint32_t worker, std::optional<FrameBalance::Batch> batch);
+    std::optional<FrameBalance::Batch> nextBatch(uint32_t worker);
+    std::string renderBatch(const FrameBalance::Batch& batch, Hand& hand);
+    void take(uint32_t device, Hand& hand, TileResult&& result);
+    void settle(const FrameBalance::Batch& batch, const Hand& hand, const std::string& failure);
+    void flush(const FrameBalance::Batch& batch);
+    void fail(uint32_t device, const std::string& why);
+    bool wait(std::unique_lock<std::mutex>& lock, bool giveUp);
+    void close(std::unique_lock<std::mutex>& lock);
+    uint32_t tileAt(const Tile& tile) const;
+
+    TileWork work_;
+    std::vector<Participant> participants_;
+    std::vector<uint32_t> tileByBlock_;  // the tile that begins at a block of Film::BLOCK pixels
+    uint32_t blockColumns_ = 0;
+    std::unique_ptr<std::atomic<Cell>[]> cells_;  // by tile
+    std::vector<float> rays_;                     // of one sample, by tile
+    std::stop_source stop_;                       // of the devices
+    std::atomic<uint32_t> inSink_{0};
+    std::atomic<bool> closed_{false};
+
+    std::mutex mutex_;  // of all below
+    std::condition_variable_any changed_;
+    WorkerCrew* crew_ = nullptr;
+    FrameBalance balance_;
+    std::deque<Hand> hands_;
+    std::vector<std::optional<FrameBalance::Batch>> inWork_;  // by worker
+    std::vector<bool> serving_;                               // by worker: has a thread
+    std::vector<WorkerReport> workers_;
+    ScheduleReport report_;
+    std::vector<std::pair<std::string, std::string>> failures_;
+    std::vector<std::pair<std::string, BatchRecord>> records_;
+    bool over_ = false;
+};
+
+}  // namespace heliograph

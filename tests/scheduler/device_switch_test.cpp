@@ -1,0 +1,241 @@
+#include "server/render/device_switch.h"
+
+#include "server/base/error.h"
+#include "server/render/frame_renderer.h"
+#include "tests/support/fake_device.h"
+#include "tests/support/team_device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace heliograph {
+namespace {
+
+using ::testing::ElementsAre;
+
+/// Counts what is asked of it and signs its tiles.
+class SigningDevice : public test::FakeDevice {
+public:
+    SigningDevice(std::string name, std::vector<std::string>& log, int& failures) : name_(name), log_(log), failures_(failures) {}
+    DeviceInfo info() const override { return {name_, "for tests", "none", 1}; }
+    void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
+        if (failures_ > 0) {
+            failures_--;
+            throw std::runtime_error(name_ + " does not start");
+        }
+        FakeDevice::load(scene, settings, progress);
+        log_.push_back("load " + name_);
+    }
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
+        log_.push_back("render " + name_);
+        FakeDevice::render(request, tiles, sink, stop);
+    }
+
+private:
+    std::string name_;
+    std::vector<std::string>& log_;
+    int& failures_;
+};
+
+struct Choice : ::testing::Test {
+    Choice() {
+        DeviceOffer offer;
+        offer.words = {"auto", "embree", "raster"};
+        offer.nameOf = [](const Settings& settings) {
+            std::string word = Settings::choiceWord("device", settings.device);
+            return word == "auto" ? "embree" : word;
+        };
+        offer.make = [this](const std::string& name) {
+            return std::make_unique<SigningDevice>(name, log, name == "raster" ? failures : none);
+        };
+        device = makeDeviceSwitch(offer, scheduler);
+    }
+    Settings with(const char* word) {
+        Settings settings;
+        settings.set("device", word);
+        return settings;
+    }
+    void render(const char* word) {
+        FrameRequest request;
+        request.settings = with(word);
+        request.resolution = uvec2(16, 16);
+        Film film;
+        renderFrame(*device, request, 1, film);
+    }
+
+    std::vector<std::string> log;
+    int failures = 0, none = 0;
+    TileScheduler scheduler;
+    std::unique_ptr<Device> device;
+};
+
+TEST_F(Choice, WordsThatMeanTheSameDeviceShareIt) {
+    device->load(std::make_shared<Scene>(), with("auto"), {});
+    EXPECT_EQ(device->info().name, "embree");
+    render("embree");
+    render("auto");
+    EXPECT_THAT(log, ElementsAre("load embree", "render embree", "render embree"));
+}
+
+TEST_F(Choice, AnotherDeviceGetsTheSceneOnceWhenItIsAskedFor) {
+    device->load(std::make_shared<Scene>(), with("auto"), {});
+    device->prepare(with("raster"));
+    EXPECT_EQ(device->infoFor(with("raster")).name, "raster");
+    EXPECT_EQ(device->info().name, "embree");
+    render("raster");
+    render("embree");
+    render("raster");
+    EXPECT_THAT(log, ElementsAre("load embree", "load raster", "render raster", "render embree", "render raster"));
+}
+
+TEST_F(Choice, AFailedStartIsTriedAgainAndHarmsNobodyElse) {
+    device->load(std::make_shared<Scene>(), with("auto"), {});
+    failures = 1;
+    EXPECT_THROW(device->prepare(with("raster")), std::runtime_error);
+    render("embree");
+    render("raster");
+    EXPECT_THAT(log, ElementsAre("load embree", "render embree", "load raster", "render raster"));
+}
+
+TEST_F(Choice, AnotherSceneStartsAfresh) {
+    device->load(std::make_shared<Scene>(), with("auto"), {});
+    device->load(std::make_shared<Scene>(), with("raster"), {});
+    EXPECT_EQ(device->info().name, "raster");
+    EXPECT_THAT(log, ElementsAre("load embree", "load raster"));
+}
+
+/// Two devices that may work together. The second may take as long to load as the test likes.
+struct Hybrid : ::testing::Test {
+    Hybrid() {
+        settings.set("device", "hybrid");
+        offer.words = {"embree", "vulkan:0", "hybrid"};
+        offer.nameOf = [](const Settings& s) { return Settings::choiceWord("device", s.device); };
+        offer.make = [this](const std::string& name) -> std::unique_ptr<Device> {
+            return std::make_unique<Borrowed>(name == "embree" ? cpu : gpu);
+        };
+        offer.team = {"embree", "vulkan:0"};
+        offer.spare = "embree";
+    }
+    /// A device that the test keeps a hand on.
+    struct Borrowed : Device {
+        explicit Borrowed(test::TeamDevice& d) : device(d) {}
+        DeviceInfo info() const override { return device.info(); }
+        void load(std::shared_ptr<const Scene> s, const Settings& t, const Progress& p) override { device.load(s, t, p); }
+        void warmUp(const FrameRequest& r) override { device.warmUp(r); }
+        void render(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override { device.render(r, t, s, o); }
+        void renderStream(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override {
+            device.renderStream(r, t, s, o);
+        }
+        test::TeamDevice& device;
+    };
+    void make(bool patient) {
+        DeviceSwitchOptions options;
+        options.notice = [this](const std::string& what) { notices.push_back(what); };
+        options.patient = patient;
+        device = makeDeviceSwitch(offer, scheduler, std::move(options));
+        device->load(std::make_shared<Scene>(), settings, {});
+    }
+    FrameStats render() {
+        FrameRequest request;
+        request.settings = settings;
+        request.resolution = uvec2(160, 160);
+        request.generation = ++generation;
+        request.history = history;
+        return renderFrame(*device, request, 1, film);
+    }
+
+    test::TeamDevice cpu{"embree", 2, "cpu"}, gpu{"vulkan:0", 1, "gpu"};
+    Settings settings;
+    DeviceOffer offer;
+    std::vector<std::string> notices;
+    std::shared_ptr<FrameHistory> history = std::make_shared<FrameHistory>();
+    Film film;
+    uint32_t generation = 0;
+    TileScheduler scheduler;
+    std::unique_ptr<Device> device;  // goes first
+};
+
+TEST_F(Hybrid, ACommandWaitsForAllDevices) {
+    make(true);
+    EXPECT_EQ(gpu.loads, 1u);
+    render();
+    EXPECT_EQ(gpu.warmUps, 1u);
+    EXPECT_GT(gpu.calls, 0u);
+    EXPECT_GT(cpu.calls, 0u);
+    EXPECT_EQ(device->info().details, "embree + vulkan:0");
+}
+
+TEST_F(Hybrid, AViewerIsServedByThoseThatAreReadyMeanwhile) {
+    gpu.hold();
+    make(false);
+    render();
+    ASSERT_TRUE(gpu.untilHeld());  // it is being loaded
+    const FrameStats stats = render();
+    EXPECT_EQ(stats.tiles.count("vulkan:0"), 0u);
+    EXPECT_THAT(history->report.devices[1].part.reason, ::testing::HasSubstr("given the scene"));
+    gpu.release();
+    while (gpu.calls == 0) render();
+    EXPECT_EQ(gpu.loads, 1u);
+}
+
+TEST_F(Hybrid, ADeviceThatFailsIsSetAsideForGoodAndViewersAreTold) {
+    make(true);
+    gpu.throwAfter = 0;
+    const FrameStats stats = render();
+    EXPECT_EQ(stats.samples, 1u);
+    ASSERT_EQ(notices.size(), 1u);
+    EXPECT_THAT(notices[0], ::testing::HasSubstr("vulkan:0 was set aside: vulkan:0 is lost"));
+    const uint32_t calls = gpu.calls;
+    render();
+    EXPECT_EQ(gpu.calls, calls);
+    EXPECT_THAT(history->report.devices[1].part.reason, ::testing::HasSubstr("set aside"));
+    EXPECT_EQ(notices.size(), 1u);
+}
+
+TEST_F(Hybrid, OneThatDoesNotStartIsLeftOut) {
+    gpu.failsToLoad = true;
+    make(true);
+    EXPECT_EQ(render().samples, 1u);
+    EXPECT_EQ(notices.size(), 1u);
+}
+
+TEST_F(Hybrid, DevicesAreSwitchedOffAndOn) {
+    make(true);
+    settings.enableVulkan = false;
+    render();
+    EXPECT_EQ(gpu.calls, 0u);
+    settings.enableVulkan = true;
+    settings.enableEmbree = false;
+    const uint32_t calls = cpu.calls;
+    render();
+    EXPECT_EQ(cpu.calls, calls);
+    EXPECT_GT(gpu.calls, 0u);
+    settings.enableVulkan = false;
+    EXPECT_THROW(render(), std::runtime_error);
+}
+
+TEST_F(Hybrid, WhenAllFailTheReasonsAreTold) {
+    make(true);
+    cpu.throwAfter = gpu.throwAfter = 1;
+    try {
+        render();
+        FAIL() << "rendered by nobody";
+    } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr("embree is lost"), ::testing::HasSubstr("vulkan:0 is lost")));
+    }
+}
+
+TEST_F(Hybrid, ATracedDeviceAloneHasTheProcessorBehindIt) {
+    settings.set("device", "vulkan:0");
+    make(false);
+    gpu.throwAfter = 3;
+    const FrameStats stats = render();
+    EXPECT_EQ(stats.samples, 1u);
+    EXPECT_EQ(stats.tiles.at("vulkan:0"), 3u);
+    EXPECT_GT(stats.tiles.at("embree"), 0u);
+    EXPECT_EQ(notices.size(), 1u);
+    EXPECT_EQ(device->info().name, "embree");
+}
+
+}  // namespace
+}  // namespace heliograph

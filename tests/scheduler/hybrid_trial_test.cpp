@@ -1,0 +1,61 @@
+#include "server/render/hybrid_trial.h"
+
+#include <gtest/gtest.h>
+
+namespace heliograph {
+namespace {
+
+struct Counts { int together = 0, alone = 0; };
+
+/// Frames of cost 1 that take so long together and alone, from `now` on.
+Counts play(HybridTrial& trial, int frames, double together, double alone, double& now) {
+    Counts counts;
+    for (int i = 0; i < frames; i++) {
+        const bool all = trial.together(now);
+        (all ? counts.together : counts.alone)++;
+        const double seconds = all ? together : alone;
+        now += seconds;
+        trial.note(1.0, seconds, now);
+    }
+    return counts;
+}
+
+TEST(HybridTrial, KeepsTheSideThatIsFaster) {
+    double now = 0.0;
+    HybridTrial good, bad;
+    EXPECT_GT(play(good, 100, 0.010, 0.015, now).together, 90);
+    EXPECT_NEAR(good.gain(), 0.5, 1e-9);
+    EXPECT_GT(play(bad, 100, 0.015, 0.010, now).alone, 90);
+    EXPECT_LT(bad.gain(), 0.0);
+}
+
+TEST(HybridTrial, ComesBackWhenTheOtherSideHasBecomeFaster) {
+    double now = 0.0;
+    HybridTrial trial;
+    play(trial, 100, 0.010, 0.011, now);
+    const Counts later = play(trial, 4000, 0.012, 0.010, now);
+    EXPECT_GT(later.alone, later.together);
+    EXPECT_FALSE(trial.together(now));
+}
+
+TEST(HybridTrial, TrialsCostLittle) {
+    double now = 0.0;
+    HybridTrial trial;
+    play(trial, 100, 0.020, 0.040, now);
+    const double begin = now;
+    play(trial, 10'000, 0.020, 0.040, now);
+    EXPECT_LT((now - begin) / (10'000 * 0.020), 1.005);
+}
+
+TEST(HybridTrial, NothingIsSaidBeforeBothSidesAreMeasured) {
+    HybridTrial trial;
+    EXPECT_TRUE(trial.together(0.0));
+    EXPECT_FALSE(trial.measured());
+    EXPECT_EQ(trial.gain(), 0.0);
+    trial.note(0.0, 1.0, 1.0);  // no cost, no time: no figure
+    trial.note(1.0, 0.0, 1.0);
+    EXPECT_FALSE(trial.measured());
+}
+
+}  // namespace
+}  // namespace heliograph

@@ -1,0 +1,329 @@
+#include "server/render/tile_scheduler.h"
+
+#include "server/render/film.h"
+#include "tests/support/fake_device.h"
+#include "tests/support/random.h"
+#include "tests/support/team_device.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <thread>
+
+namespace heliograph {
+namespace {
+
+using test::Random;
+using test::TeamDevice;
+using ::testing::HasSubstr;
+
+constexpr uvec2 SIZE(200, 120);
+constexpr uvec2 CELL(16, 16);
+
+/// Frames on a team of fake devices.
+struct Team : ::testing::Test {
+    Team() { history->costs.begin(SIZE, CELL); }
+
+    std::shared_ptr<TeamDevice> add(const std::string& name, uint32_t streams = 1, const std::string& silicon = {}) {
+        devices.push_back(std::make_shared<TeamDevice>(name, streams, silicon));
+        inside.push_back(std::make_shared<std::atomic<uint32_t>>(0));
+        blocked.emplace_back();
+        return devices.back();
+    }
+    std::vector<Candidate> candidates() {
+        std::vector<Candidate> team;
+        for (size_t i = 0; i < devices.size(); i++) team.push_back({devices[i], devices[i]->info(), blocked[i], inside[i]});
+        return team;
+    }
+    ScheduleResult render(uint32_t sample = 0, std::stop_token stop = {}) {
+        FrameRequest request;
+        request.settings = settings;
+        request.resolution = SIZE;
+        request.generation = 7;
+        request.history = history;
+        if (sample == 0) film.reset(SIZE, 7);
+        history->costs.begin(SIZE, CELL);
+        history->report = {};
+        refused = 0;
+        auto sink = [&](TileResult&& result) {
+            if (!film.add(result)) refused++;
+        };
+        ScheduleResult result = scheduler.render(request, film.tilesFor(sample, 1, CELL), candidates(), memory, sink, stop);
+        history->costs.end();
+        return result;
+    }
+    /// The film holds exactly these samples of every pixel, each counted once.
+    void expectFilm(uint32_t samples) {
+        std::vector<vec4> pixels;
+        film.develop(pixels);
+        for (uint32_t y = 0; y < SIZE.y; y++) {
+            for (uint32_t x = 0; x < SIZE.x; x++) {
+                glm::dvec4 sum(0.0);
+                for (uint32_t s = 0; s < samples; s++) sum += glm::dvec4(test::fakeRadiance(x, y, s));
+                const vec4 mean(sum * (1.0 / samples));
+                const vec4 pixel = pixels[static_cast<size_t>(y) * SIZE.x + x];
+                ASSERT_EQ(vec3(pixel), vec3(mean)) << x << ", " << y;
+                ASSERT_EQ(pixel.w, static_cast<float>(samples));
+            }
+        }
+        EXPECT_EQ(refused, 0u);
+    }
+    const DeviceReport& reportOf(const std::string& name) {
+        return *std::ranges::find_if(history->report.devices, [&](const DeviceReport& d) { return d.name == name; });
+    }
+
+    TileScheduler scheduler;
+    ScheduleMemory memory;
+    Settings settings;
+    Film film;
+    std::atomic<uint32_t> refused{0};
+    std::shared_ptr<FrameHistory> history = std::make_shared<FrameHistory>();
+    std::vector<std::shared_ptr<TeamDevice>> devices;
+    std::vector<std::shared_ptr<std::atomic<uint32_t>>> inside;
+    std::vector<std::string> blocked;
+};
+
+const uint32_t TILES = ((SIZE.x + CELL.x - 1) / CELL.x) * ((SIZE.y + CELL.y - 1) / CELL.y);
+
+TEST_F(Team, SharesFramesAndEachTileCountsOnce) {
+    for (uint32_t streams : {1u, 2u, 3u}) add("d" + std::to_string(streams), streams)->spins = 2000;
+    for (uint32_t sample = 0; sample < 12; sample++) EXPECT_TRUE(render(sample).missing.empty());
+    expectFilm(12);
+    uint32_t tiles = 0;
+    for (const DeviceReport& device : history->report.devices) tiles += device.tiles;
+    EXPECT_EQ(tiles, TILES);
+    EXPECT_GT(history->report.batches, 0u);
+    EXPECT_GE(history->report.end, history->report.begin);
+    for (const WorkerReport& worker : history->report.workers) {
+        for (const auto& span : worker.batches) EXPECT_GE(span.end, span.begin);
+    }
+}
+
+TEST_F(Team, ADeviceThatThrowsCostsItsBatchOnly) {
+    add("sound", 2)->spins = 2000;
+    auto broken = add("broken", 2);
+    broken->throwAfter = 0;
+    const ScheduleResult result = render();
+    EXPECT_TRUE(result.missing.empty());
+    expectFilm(1);
+    ASSERT_EQ(result.failures.size(), 1u);
+    EXPECT_EQ(result.failures[0].first, "broken");
+    EXPECT_THAT(result.failures[0].second, HasSubstr("is lost"));
+    EXPECT_TRUE(reportOf("broken").lost);
+}
+
+TEST_F(Team, WhenAllThrowTheMissingTilesAreNamed) {
+    add("one")->throwAfter = 3;
+    add("two")->throwAfter = 4;
+    const ScheduleResult result = render();
+    EXPECT_EQ(result.failures.size(), 2u);
+    EXPECT_EQ(result.missing.size(), TILES - 7);
+}
+
+// The stalled device is let go only after the frame: a scheduler that waited for it would never come to that.
+TEST_F(Team, ADeviceThatStopsIsNotWaitedFor) {
+    add("sound")->spins = 2000;
+    auto stalled = add("stalled", 2);
+    EXPECT_TRUE(render(0).missing.empty());  // both are measured
+    stalled->hold();
+    EXPECT_TRUE(render(1).missing.empty());
+    EXPECT_GT(inside[1]->load() + 1, 0u);
+    stalled->release();
+    expectFilm(2);
+}
+
+TEST_F(Team, ALateResultOfAnEarlierFrameIsDropped) {
+    add("sound")->spins = 2000;
+    auto stalled = add("stalled");
+    stalled->hold();
+    EXPECT_TRUE(render(0).missing.empty());
+    ASSERT_TRUE(stalled->untilHeld());
+    blocked[1] = "still owes a batch";
+    EXPECT_TRUE(render(1).missing.empty());
+    stalled->release();
+    while (inside[1]->load() > 0) std::this_thread::yield();
+    expectFilm(2);
+    EXPECT_EQ(history->report.devices[1].part.reason, "still owes a batch");
+}
+
+TEST_F(Team, AloneAStallingDeviceIsWaitedFor) {
+    auto only = add("only");
+    only->hold();
+    std::jthread rescue([&] {
+        if (only->untilHeld()) only->release();
+    });
+    EXPECT_TRUE(render().missing.empty());
+    expectFilm(1);
+}
+
+TEST_F(Team, StampsOfZeroAreNotBelieved) {
+    add("liar", 2)->stamp = 0.0;
+    add("honest")->spins = 2000;
+    for (uint32_t sample = 0; sample < 4; sample++) render(sample);
+    expectFilm(4);
+    EXPECT_GT(memory.rates.distrusted("liar"), 0u);
+    const double rate = memory.rates.rate("liar", {}).rate;
+    EXPECT_TRUE(std::isfinite(rate) && rate > 0.0) << rate;
+}
+
+TEST_F(Team, WhatIsDeliveredTwiceCountsOnce) {
+    add("sound")->spins = 500;
+    add("twice", 2)->everyTwice = true;
+    render();
+    expectFilm(1);
+}
+
+TEST_F(Team, ADeviceThatLeavesTilesOutOrReturnsOthersIsLost) {
+    add("sound");
+    add("lazy")->leavesOut = true;
+    add("confused")->wrongSizes = true;
+    const ScheduleResult result = render();
+    EXPECT_TRUE(result.missing.empty());
+    expectFilm(1);
+    EXPECT_EQ(result.failures.size(), 2u);
+    EXPECT_THAT(result.failures[0].second, HasSubstr("left out"));
+}
+
+TEST_F(Team, StoppingEndsTheFrameAndSilencesTheDevices) {
+    auto slow = add("slow", 2);
+    slow->hold();
+    std::stop_source stop;
+    std::jthread viewer([&] {
+        if (slow->untilHeld(2)) stop.request_stop();
+    });
+    const ScheduleResult result = render(0, stop.get_token());
+    EXPECT_EQ(result.missing.size(), TILES);
+    slow->release();
+    while (inside[0]->load() > 0) std::this_thread::yield();
+    EXPECT_EQ(film.completedSamples(), 0u);
+    EXPECT_EQ(render(0).missing.size(), 0u);
+    expectFilm(1);
+}
+
+TEST_F(Team, OfDevicesOnTheSameSiliconTheFastestWorksAndTheReasonIsTold) {
+    add("fast", 2, "cpu");
+    add("slow", 1, "cpu")->spins = 300'000;
+    render(0);  // the first in the list is measured first
+    EXPECT_THAT(reportOf("slow").part.reason, HasSubstr("which goes first"));
+    EXPECT_EQ(devices[1]->calls, 0u);
+    blocked[0] = "switched off";
+    render(1);
+    EXPECT_GT(devices[1]->calls, 0u);
+    blocked[0].clear();
+    render(2);
+    expectFilm(3);
+    const DeviceReport& slow = reportOf("slow");
+    EXPECT_EQ(slow.part.part, Part::parked);
+    EXPECT_EQ(slow.tiles, 0u);
+    EXPECT_THAT(slow.part.reason, HasSubstr("shares its processors with fast"));
+}
+
+TEST_F(Team, ABlockedDeviceGetsNothingAndSaysWhy) {
+    add("works");
+    add("off");
+    blocked[1] = "switched off";
+    render();
+    EXPECT_EQ(devices[1]->calls, 0u);
+    EXPECT_EQ(reportOf("off").part.reason, "switched off");
+}
+
+TEST_F(Team, ManualBalanceCutsThePictureWhereTheShareSays) {
+    add("embree", 2, "cpu");
+    add("vulkan:0", 1, "cpu");  // by hand, shared silicon is no reason
+    settings.set("hybridBalance", "manual");
+    settings.hybridShare = 25;
+    for (uint32_t sample = 0; sample < 3; sample++) EXPECT_TRUE(render(sample).missing.empty());
+    expectFilm(3);
+    const double gpu = reportOf("vulkan:0").cost, cpu = reportOf("embree").cost;
+    EXPECT_NEAR(gpu / (gpu + cpu), 0.25, 0.02);
+    settings.hybridShare = 0;
+    render(3);
+    EXPECT_EQ(reportOf("vulkan:0").tiles, 0u);
+    settings.hybridShare = 100;
+    render(4);
+    EXPECT_EQ(reportOf("embree").tiles, 0u);
+    expectFilm(5);
+}
+
+TEST_F(Team, ManualBalanceSurvivesTheLossOfASide) {
+    add("embree");
+    add("vulkan:0")->throwAfter = 2;
+    settings.set("hybridBalance", "manual");
+    const ScheduleResult result = render();
+    EXPECT_TRUE(result.missing.empty());
+    EXPECT_EQ(result.failures.size(), 1u);
+    expectFilm(1);
+    blocked[1] = "set aside";
+    EXPECT_TRUE(render(1).missing.empty());
+    expectFilm(2);
+}
+
+TEST_F(Team, ManualBalanceDoesNotWaitForASideThatStops) {
+    add("embree");
+    auto stalled = add("vulkan:0");
+    settings.set("hybridBalance", "manual");
+    EXPECT_TRUE(render(0).missing.empty());
+    stalled->hold();
+    EXPECT_TRUE(render(1).missing.empty());
+    stalled->release();
+    expectFilm(2);
+}
+
+TEST_F(Team, NoisyCellsComeFirstWhenRefining) {
+    auto only = add("only");
+    render(0);
+    history->errors.assign(TILES, 0.0f);
+    history->errors[3 * 13 + 11] = 1.0f;
+    std::vector<uvec2> seen;
+    std::mutex mutex;
+    FrameRequest request;
+    request.resolution = SIZE;
+    request.history = history;
+    scheduler.render(request, film.tilesFor(1, 1, CELL), candidates(), memory,
+                     [&](TileResult&& result) {
+                         std::lock_guard lock(mutex);
+                         seen.push_back(result.tile.origin);
+                     }, {});
+    ASSERT_EQ(seen.size(), TILES);
+    EXPECT_EQ(seen.front(), uvec2(11, 3) * CELL);
+}
+
+// Random speeds, deaths, stalls, lies and duplicates: every frame is whole, each tile counted once.
+TEST_F(Team, EveryFrameIsWholeWhateverHappens) {
+    for (uint32_t seed = 0; seed < 12; seed++) {
+        Random random(seed);
+        devices.clear();
+        inside.clear();
+        blocked.clear();
+        memory = {};
+        add("sound", 1 + random.below(3))->spins = static_cast<int>(random.below(4000));
+        std::vector<std::shared_ptr<TeamDevice>> held;
+        for (uint32_t i = 1 + random.below(4); i > 0; i--) {
+            auto device = add("d" + std::to_string(i), 1 + random.below(3));
+            device->spins = static_cast<int>(random.below(6000));
+            switch (random.below(6)) {
+                case 0: device->throwAfter = static_cast<int>(random.below(60)); break;
+                case 1: device->everyTwice = true; break;
+                case 2: device->leavesOut = true; break;
+                case 3: device->stamp = random.below(2) ? 0.0 : 1e9; break;
+                case 4: held.push_back(device); break;
+                default: break;
+            }
+        }
+        for (uint32_t sample = 0; sample < 4; sample++) {
+            if (sample == 2) for (auto& device : held) device->hold();
+            const ScheduleResult result = render(sample);
+            ASSERT_TRUE(result.missing.empty()) << "seed " << seed;
+            for (const auto& [name, why] : result.failures) {
+                for (size_t i = 0; i < devices.size(); i++) if (devices[i]->info().name == name) blocked[i] = why;
+            }
+        }
+        for (auto& device : held) device->release();
+        expectFilm(4);
+        for (auto& count : inside) while (count->load() > 0) std::this_thread::yield();
+    }
+}
+
+}  // namespace
+}  // namespace heliograph

@@ -1,0 +1,99 @@
+#include "tests/support/team_device.h"
+
+#include "tests/support/fake_device.h"
+
+#include <chrono>
+#include <stdexcept>
+
+namespace heliograph::test {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto PATIENCE = 30s;  // until a test that waits for something gives up
+
+TileResult made(const Tile& tile, const std::string& device, double stamp) {
+    TileResult result;
+    result.tile = tile;
+    result.device = device;
+    result.seconds = stamp;
+    result.rays[RayKind::primary] = static_cast<uint64_t>(tile.size.x) * tile.size.y * tile.sampleCount;
+    for (uint32_t y = 0; y < tile.size.y; y++) {
+        for (uint32_t x = 0; x < tile.size.x; x++) {
+            vec4 sum(0.0f);
+            for (uint32_t s = 0; s < tile.sampleCount; s++) {
+                sum += fakeRadiance(tile.origin.x + x, tile.origin.y + y, tile.firstSample + s);
+            }
+            result.radianceSum.push_back(sum);
+        }
+    }
+    return result;
+}
+
+}  // namespace
+
+TeamDevice::TeamDevice(std::string name, uint32_t streams, std::string silicon)
+    : name_(std::move(name)), silicon_(silicon.empty() ? name_ : std::move(silicon)), streams_(streams) {}
+
+DeviceInfo TeamDevice::info() const {
+    DeviceInfo info{name_, "for tests", silicon_, streams_};
+    info.streams = streams_;
+    info.batchSeconds = 1e-6;
+    return info;
+}
+
+void TeamDevice::load(std::shared_ptr<const Scene>, const Settings&, const Progress&) {
+    loads++;
+    waitHere();
+    if (failsToLoad) throw std::runtime_error(name_ + " does not start");
+}
+
+void TeamDevice::render(const FrameRequest& request, std::span<const Tile> wanted, const TileSink& sink, std::stop_token stop) {
+    renderStream(request, wanted, sink, stop);
+}
+
+void TeamDevice::renderStream(const FrameRequest&, std::span<const Tile> wanted, const TileSink& sink, std::stop_token stop) {
+    calls++;
+    for (size_t i = 0; i < wanted.size() && !stop.stop_requested(); i++) {
+        waitHere();
+        if (throwAfter >= 0 && throwAfter-- <= 0) {
+            throwAfter = 0;
+            throw std::runtime_error(name_ + " is lost");
+        }
+        if (leavesOut && i + 1 == wanted.size()) return;
+        for (int spin = spins; spin > 0; spin--) std::atomic_signal_fence(std::memory_order_seq_cst);
+        Tile tile = wanted[i];
+        if (wrongSizes) tile.size.y = std::max(1u, tile.size.y / 2);
+        tiles++;
+        sink(made(tile, name_, stamp));
+        if (everyTwice) sink(made(tile, name_, stamp));
+    }
+}
+
+void TeamDevice::waitHere() {
+    std::unique_lock lock(mutex_);
+    if (!held_) return;
+    waiting_++;
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return !held_; });
+    waiting_--;
+}
+
+void TeamDevice::hold() {
+    std::lock_guard lock(mutex_);
+    held_ = true;
+}
+
+void TeamDevice::release() {
+    std::lock_guard lock(mutex_);
+    held_ = false;
+    changed_.notify_all();
+}
+
+bool TeamDevice::untilHeld(int count) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, PATIENCE, [&] { return waiting_ >= count; });
+}
+
+}  // namespace heliograph::test
