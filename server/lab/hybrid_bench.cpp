@@ -15,6 +15,7 @@ namespace {
 
 constexpr uint32_t SLOW_REPETITIONS = 3;
 constexpr double SLOW = 5.0;  // times the fastest device
+constexpr double BURST_SECONDS = 0.25;
 
 /// Renders frames of one pass and times them.
 class Stopwatch {
@@ -35,6 +36,14 @@ public:
         const double ms = watch.milliseconds();
         history_->costs.end();
         if (film_.completedSamples() != options_.samples) throw std::runtime_error("device " + device_.info().name + " left out tiles");
+        return ms;
+    }
+    /// The last frame of a burst.
+    double burst(const Settings& settings) {
+        StopWatch watch;
+        double ms = 0.0;
+        do ms = frame(settings);
+        while (watch.seconds() < BURST_SECONDS);
         return ms;
     }
     const ScheduleReport& report() const { return history_->report; }
@@ -91,6 +100,19 @@ nlohmann::ordered_json idleJson(const std::vector<ScheduleReport>& reports) {
     return workers;
 }
 
+/// Who worked when in a frame: [begin ms, end ms, tiles] of each batch.
+nlohmann::ordered_json timelineJson(const ScheduleReport& report) {
+    nlohmann::ordered_json workers = nlohmann::ordered_json::array();
+    for (const WorkerReport& worker : report.workers) {
+        nlohmann::ordered_json batches = nlohmann::ordered_json::array();
+        for (const WorkerReport::Span& span : worker.batches) {
+            batches.push_back({1e3 * (span.begin - report.begin), 1e3 * (span.end - report.begin), span.tiles});
+        }
+        workers.push_back({{"device", report.devices[worker.device].name}, {"worker", worker.stream}, {"batches", batches}});
+    }
+    return workers;
+}
+
 template <typename Value>
 double medianOf(const std::vector<ScheduleReport>& reports, Value value) {
     std::vector<double> values;
@@ -123,12 +145,12 @@ HybridBenchResult benchHybrid(Device& device, const Scene& scene, const HybridBe
         for (HybridSide& side : result.alone) {
             const bool slow = !side.ms.empty() && side.ms.back() > SLOW * fastest;
             if (slow && i >= SLOW_REPETITIONS) continue;
-            side.ms.push_back(watch.frame(with(options.settings, side.device)));
+            side.ms.push_back(watch.burst(with(options.settings, side.device)));
             Settings single = options.settings;
             if (!options.apart || !only(options.devices, side.device, single)) continue;
-            side.scheduled.push_back(watch.frame(single));
+            side.scheduled.push_back(watch.burst(single));
         }
-        result.ms.push_back(watch.frame(together));
+        result.ms.push_back(watch.burst(together));
         result.reports.push_back(watch.report());
         report(progress, "measuring hybrid", (i + 1.0) / options.repetitions);
     }
@@ -169,6 +191,7 @@ nlohmann::ordered_json toJson(const HybridBenchResult& r) {
     json["scheduler_ms"] = 1e3 * medianOf(r.reports, [](const ScheduleReport& s) { return s.decisionSeconds; });
     json["batches"] = medianOf(r.reports, [](const ScheduleReport& s) { return double(s.batches); });
     json["reissued_tiles"] = medianOf(r.reports, [](const ScheduleReport& s) { return double(s.reissued); });
+    if (!r.reports.empty()) json["timeline"] = timelineJson(r.reports.back());
     return json;
 }
 

@@ -34,8 +34,9 @@ struct HybridBenchResult {
     std::vector<ScheduleReport> reports;   // of the frames together
 };
 
-/// `device` knows all words (makeDevice) and holds the scene. Slow devices, five times slower than the fastest, are measured
-/// three times only. Throws what the device throws.
+/// `device` knows all words (makeDevice) and holds the scene. Each figure is the last frame of a burst of a quarter of a
+/// second: a GPU that had nothing to do is slow at first. Slow devices, five times slower than the fastest, are measured three
+/// times only. Throws what the device throws.
 HybridBenchResult benchHybrid(Device& device, const Scene& scene, const HybridBenchOptions& options, const Progress& progress);
 
 /// Fields in docs/benchmark.md.

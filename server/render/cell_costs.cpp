@@ -13,6 +13,7 @@ void CellCosts::begin(uvec2 resolution, uvec2 cellSize) {
     resolution_ = resolution;
     cellSize_ = cellSize;
     cells_ = (resolution + cellSize - 1u) / cellSize;
+    fromCentre_ = centreFirst(cells_);
     forget();
 }
 

@@ -3,16 +3,20 @@
 #include "server/base/log.h"
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 namespace heliograph {
 
 namespace {
 
 const std::string HYBRID = "hybrid";
+const std::string OWES = "still owes a batch of an earlier frame";
+constexpr auto LATE = std::chrono::milliseconds(50);
 
 /// One device of the switch.
 struct Entry {
@@ -27,6 +31,7 @@ struct Entry {
     std::string aside;                // why it is set aside; empty = it is not
     std::set<uint32_t> warm;          // effect sets that it is ready for
     bool busy = false;                // somebody gets it ready in the background
+    bool stalls = false;              // it was waited for in vain
 
     std::shared_ptr<Device> ready() {
         std::lock_guard lock(mutex);
@@ -207,8 +212,9 @@ private:
     std::string whyNobody(const Settings& settings) {
         std::string reasons;
         for (const std::string& name : offer_.team) {
-            const std::string why = switchedOff(name, settings) ? "switched off" : entry(name)->failure();
-            reasons += (reasons.empty() ? "" : "; ") + name + ": " + (why.empty() ? "did not deliver" : why);
+            std::string why = switchedOff(name, settings) ? "switched off" : entry(name)->failure();
+            if (why.empty()) why = entry(name)->ready() ? "did not deliver" : "is not ready";
+            reasons += (reasons.empty() ? "" : "; ") + name + ": " + why;
         }
         return reasons.empty() ? "no device here" : reasons;
     }
@@ -223,13 +229,29 @@ private:
             c.forced = options_.forced;
             if (switchedOff(name, request.settings)) c.blocked = "switched off";
             else if (std::string why = member->failure(); !why.empty()) c.blocked = "set aside: " + why;
-            else if (member->inside->load() > 0) c.blocked = "still owes a batch of an earlier frame";
+            else if (stalls(*member)) c.blocked = OWES;
             else c.blocked = getReady(member, request);
             c.device = member->ready();
             if (c.device) c.info = c.device->infoFor(request.settings);
             team.push_back(std::move(c));
         }
+        // Rather wait for one that stalls than for nobody.
+        if (std::ranges::none_of(team, [](const Candidate& c) { return c.blocked.empty(); })) {
+            for (Candidate& c : team) {
+                if (c.blocked == OWES && c.device) c.blocked.clear();
+            }
+        }
         return team;
+    }
+
+    /// Whether it still works for an earlier frame. A batch that was only late is waited for, a stall once.
+    static bool stalls(Entry& member) {
+        const auto end = std::chrono::steady_clock::now() + LATE;
+        while (member.inside->load() > 0) {
+            if (member.stalls || std::chrono::steady_clock::now() > end) return member.stalls = true;
+            std::this_thread::sleep_for(std::chrono::microseconds(50));
+        }
+        return member.stalls = false;
     }
 
     /// Starts what a device needs before it can take part; returns what it waits for, or nothing.

@@ -102,7 +102,9 @@ double FrameBalance::predictedEnd(double now) {
 
 void FrameBalance::chooseAnchors() {
     anchor_ = second_ = NOBODY;
+    uint32_t others = 0;
     for (uint32_t w = 0; w < workers_.size(); w++) {
+        if (workers_[w].state == State::probes || workers_[w].state == State::samples) others++;
         if (workers_[w].state != State::works) continue;
         if (anchor_ == NOBODY || workers_[w].rate > workers_[anchor_].rate) {
             second_ = anchor_;
@@ -111,6 +113,7 @@ void FrameBalance::chooseAnchors() {
             second_ = w;
         }
     }
+    lone_ = anchor_ != NOBODY && second_ == NOBODY && others == 0;
 }
 
 std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now) {
@@ -130,7 +133,9 @@ std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now
     const BatchAnswer answer =
         batchCost({room, worker.rate, worker.spread, worker.batchSeconds, poolCost_ / left, deviation_});
     uint32_t last = endFor(worker, answer, room, OVERSHOOT * (end - begin_));
-    if (last == next_) {
+    if (lone_) {
+        last = static_cast<uint32_t>(order_.size());  // there is nobody to hold anything back for
+    } else if (last == next_) {
         if (index != anchor_) {
             // It asks again when the result of what it has in hand is here, and then waits for a whole round trip.
             if (worker.inHandCount == 0) drop(worker);

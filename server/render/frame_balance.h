@@ -142,6 +142,7 @@ private:
     ReadyTable table_;
     double begin_ = 0.0, deviation_ = 0.0;
     uint32_t anchor_ = 0, second_ = 0;  // the fastest two workers; the first never declines
+    bool lone_ = false;                 // the first is the only one
 };
 
 }  // namespace heliograph

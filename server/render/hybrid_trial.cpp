@@ -1,32 +1,49 @@
 #include "server/render/hybrid_trial.h"
 
-#include <cmath>
+#include <algorithm>
 
 namespace heliograph {
 
 namespace {
 
-/// The first frame after a change is not counted: rates, caches and clocks settle.
+/// The first frame after a change or a pause is not counted: rates, caches and clocks settle.
 constexpr uint32_t SETTLING = 1;
-constexpr uint32_t COUNTED = 3;
-/// Until the side that lost is tried again (seconds): the view and the load of the machine have changed. Where the other
-/// won by far, it is tried rarely, since the trial costs most there.
-constexpr double TRY_AGAIN = 10.0, TRY_RARELY = 60.0;
-constexpr double BY_FAR = 0.15;
-constexpr double SMOOTHING = 0.3;
+constexpr double PAUSE = 0.1;  // seconds
+/// The loser is tried again after half a second, then twice as long each time that it loses again: a wrong verdict is
+/// corrected soon, a right one costs ever less.
+constexpr double SOON = 0.5, LATE = 40.0;
+/// What all together must gain to be worth it.
+constexpr double LEAST_GAIN = 0.02;
+constexpr double SMOOTHING = 0.2;
 
 }  // namespace
 
+bool HybridTrial::tried(const Side& side) const { return side.frames >= SETTLING + COUNTED; }
+
+void HybridTrial::turn(int side) {
+    side_ = side;
+    sides_[side].frames = 0;
+}
+
 bool HybridTrial::together(double now) {
-    Side& current = sides_[side_];
-    if (current.frames < SETTLING + COUNTED) return side_ == TOGETHER;
-    Side& other = sides_[1 - side_];
-    const bool unknown = other.rate <= 0.0;
-    const bool stale = now - other.measuredAt > (std::abs(gain()) < BY_FAR ? TRY_AGAIN : TRY_RARELY);
-    const bool slower = current.rate < other.rate;
-    if (unknown || stale || slower) {
-        side_ = 1 - side_;
-        other.frames = 0;
+    if (now - lastEnd_ > PAUSE && !tried(sides_[side_])) turn(side_);
+    if (!tried(sides_[side_])) return side_ == TOGETHER;
+    const Side& other = sides_[1 - side_];
+    if (other.rate <= 0.0) {
+        turn(1 - side_);
+        return side_ == TOGETHER;
+    }
+    const int better = gain() > LEAST_GAIN ? TOGETHER : ALONE;
+    if (better != winner_) {
+        winner_ = better;
+        patience_ = SOON;
+    } else if (side_ != winner_) {
+        patience_ = std::clamp(2.0 * patience_, SOON, LATE);  // the trial is over and has changed nothing
+    }
+    if (side_ != winner_) {
+        side_ = winner_;  // it was measured before; what it does next is smoothed in
+    } else if (now - other.measuredAt > std::max(patience_, SOON)) {
+        turn(1 - side_);
     }
     return side_ == TOGETHER;
 }
@@ -34,13 +51,21 @@ bool HybridTrial::together(double now) {
 void HybridTrial::note(double cost, double seconds, double now) {
     if (!(cost > 0.0) || !(seconds > 0.0)) return;
     Side& current = sides_[side_];
-    current.frames++;
+    const bool afterPause = now - seconds - lastEnd_ > PAUSE;
+    lastEnd_ = now;
     current.measuredAt = now;
+    if (tried(current)) {
+        if (!afterPause) current.rate += SMOOTHING * (cost / seconds - current.rate);
+        return;
+    }
+    if (afterPause) current.frames = 0;
+    current.frames++;
     if (current.frames <= SETTLING) return;
-    const double rate = cost / seconds;
-    // A new turn starts afresh: what it measured seconds ago may be another scene by now.
-    if (current.frames == SETTLING + 1 || current.rate <= 0.0) current.rate = rate;
-    else current.rate += SMOOTHING * (rate - current.rate);
+    current.trial[current.frames - SETTLING - 1] = cost / seconds;
+    if (!tried(current)) return;
+    std::array<double, COUNTED> sorted = current.trial;
+    std::sort(sorted.begin(), sorted.end());
+    current.rate = sorted[COUNTED / 2];
 }
 
 double HybridTrial::gain() const {

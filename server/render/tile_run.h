@@ -25,6 +25,7 @@ struct Participant {
     BalanceDevice known;  // what is known of it
     /// Calls of renderStream that have not come back; outlives the frame.
     std::shared_ptr<std::atomic<uint32_t>> inside;
+    bool whole = false;   // its one worker is the whole device (`render`), not a stream
 };
 
 /// What is to be made, and what is predicted of it.
@@ -58,24 +59,31 @@ public:
     void noteCosts(CellCosts& costs) const;
 
 private:
-    enum class Cell : uint8_t { open, claimed, done };
+    /// open: wanted. claimed: its first result is on the way to the sink. closed: not wanted any more.
+    enum class Cell : uint8_t { open, claimed, done, closed };
+    /// What the first result of a tile said; written by who claimed the cell, read when it is done.
+    struct Made {
+        float rays = 0.0f;     // of one sample
+        float seconds = 0.0f;  // of the device's stream
+        uint32_t device = 0;
+    };
     /// A batch in the hands of a device.
     struct Hand {
         std::vector<Tile> tiles;
         double begin = 0.0;
-        std::atomic<double> cost{0.0}, seconds{0.0};
     };
 
     void startIdle();
     void serve(uint32_t worker, std::optional<FrameBalance::Batch> batch);
     std::optional<FrameBalance::Batch> nextBatch(uint32_t worker);
     std::string renderBatch(const FrameBalance::Batch& batch, Hand& hand);
-    void take(uint32_t device, Hand& hand, TileResult&& result);
+    void take(uint32_t device, TileResult&& result);
     void settle(const FrameBalance::Batch& batch, const Hand& hand, const std::string& failure);
     void flush(const FrameBalance::Batch& batch);
     void fail(uint32_t device, const std::string& why);
     bool wait(std::unique_lock<std::mutex>& lock, bool giveUp);
     void close(std::unique_lock<std::mutex>& lock);
+    void note(const Hand& hand, uint32_t device, double predicted, double busy);
     uint32_t tileAt(const Tile& tile) const;
 
     TileWork work_;
@@ -83,10 +91,8 @@ private:
     std::vector<uint32_t> tileByBlock_;  // the tile that begins at a block of Film::BLOCK pixels
     uint32_t blockColumns_ = 0;
     std::unique_ptr<std::atomic<Cell>[]> cells_;  // by tile
-    std::vector<float> rays_;                     // of one sample, by tile
+    std::vector<Made> made_;                      // by tile
     std::stop_source stop_;                       // of the devices
-    std::atomic<uint32_t> inSink_{0};
-    std::atomic<bool> closed_{false};
 
     std::mutex mutex_;  // of all below
     std::condition_variable_any changed_;

@@ -3,6 +3,7 @@
 #include "server/base/clock.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numeric>
 
@@ -17,21 +18,20 @@ bool isGpuSide(const Candidate& candidate) { return candidate.info.name.starts_w
 
 /// The order in which tiles are wanted: the noisiest first where that is known, else from the middle outwards.
 std::vector<uint32_t> wantedOrder(std::span<const Tile> tiles, const FrameHistory& history) {
-    const uvec2 cells = history.costs.cells();
-    std::vector<uint32_t> rank(static_cast<size_t>(cells.x) * cells.y);
-    if (history.errors.size() == rank.size()) {
-        std::vector<uint32_t> noisy(rank.size());
+    std::vector<uint32_t> noisy;
+    if (history.errors.size() == history.costs.fromCentre().size()) {
+        noisy.resize(history.errors.size());
         std::iota(noisy.begin(), noisy.end(), 0u);
         std::stable_sort(noisy.begin(), noisy.end(), [&](uint32_t a, uint32_t b) { return history.errors[a] > history.errors[b]; });
-        for (uint32_t i = 0; i < noisy.size(); i++) rank[noisy[i]] = i;
-    } else {
-        const std::vector<uint32_t> order = centreFirst(cells);
-        for (uint32_t i = 0; i < order.size(); i++) rank[order[i]] = i;
     }
-    std::vector<uint32_t> wanted(tiles.size());
-    std::iota(wanted.begin(), wanted.end(), 0u);
-    auto rankOf = [&](uint32_t tile) { return rank[history.costs.cellAt(tiles[tile].origin)]; };
-    std::stable_sort(wanted.begin(), wanted.end(), [&](uint32_t a, uint32_t b) { return rankOf(a) < rankOf(b); });
+    const std::vector<uint32_t>& cells = noisy.empty() ? history.costs.fromCentre() : noisy;
+    constexpr uint32_t NONE = UINT32_MAX;
+    std::vector<uint32_t> tileOf(cells.size(), NONE), wanted;
+    for (uint32_t i = 0; i < tiles.size(); i++) tileOf[history.costs.cellAt(tiles[i].origin)] = i;
+    wanted.reserve(tiles.size());
+    for (uint32_t cell : cells) {
+        if (tileOf[cell] != NONE) wanted.push_back(tileOf[cell]);
+    }
     return wanted;
 }
 
@@ -51,17 +51,18 @@ TileWork workOf(const FrameRequest& request, std::vector<Tile> tiles, const Fram
     work.request = request;
     work.request.history = nullptr;  // it belongs to whoever asked
     work.sink = sink;
-    double sum = 0.0;
     for (const Tile& tile : tiles) {
         const auto samples = static_cast<float>(std::max(tile.sampleCount, 1u));
         work.costs.push_back(samples * history.costs.predicted(history.costs.cellAt(tile.origin)));
         work.deviation = history.costs.deviation() * samples;
-        sum += work.costs.back();
     }
-    work.order = wantedOrder(tiles, history);
-    if (work.deviation * static_cast<double>(tiles.size()) < AT_REST * sum) cheapestLast(work.order, work.costs);
     work.tiles = std::move(tiles);
     return work;
+}
+
+void putInOrder(TileWork& work, double cost, const FrameHistory& history) {
+    work.order = wantedOrder(work.tiles, history);
+    if (work.deviation * static_cast<double>(work.tiles.size()) < AT_REST * cost) cheapestLast(work.order, work.costs);
 }
 
 Participant participantOf(const Candidate& candidate, const FrameRequest& request, const RateBook& rates, double now) {
@@ -97,14 +98,25 @@ std::vector<DeviceReport> absentees(const std::vector<Candidate>& candidates) {
     return absent;
 }
 
-/// The processor lends a core to whoever feeds a GPU.
-void keepACore(std::vector<Participant>& participants, const Settings& settings) {
-    const bool feeds = std::ranges::any_of(participants, [](const Participant& p) {
-        return p.part.part != Part::parked && p.info.silicon != "cpu" && p.info.roundTrip <= 0.0;
-    });
-    if (!feeds || settings.embreeThreads > 0) return;
+/// The processor lends cores to those who feed a GPU and add its results to the film.
+void keepCores(std::vector<Participant>& participants, const Settings& settings) {
+    uint32_t feeders = 0;
+    for (const Participant& p : participants) {
+        if (p.part.part != Part::parked) feeders += p.known.workers * p.info.coresPerStream;
+    }
+    if (settings.embreeThreads > 0) return;
     for (Participant& p : participants) {
-        if (p.info.silicon == "cpu" && p.known.workers > 1) p.known.workers--;
+        if (p.info.silicon == "cpu") p.known.workers -= std::min(feeders, p.known.workers - 1);
+    }
+}
+
+/// A device that works alone is called once, if that suits it.
+void callOnce(std::vector<Participant>& participants) {
+    for (Participant& p : participants) {
+        if (p.part.part != Part::works || !p.info.overlaps) continue;
+        p.whole = true;
+        p.known.rate *= p.known.workers;
+        p.known.workers = 1;
     }
 }
 
@@ -146,11 +158,12 @@ std::shared_ptr<TileRun> TileScheduler::automatic(const Job& job, ScheduleMemory
         if (c.blocked.empty()) participants.push_back(participantOf(c, job.request, memory.rates, now));
     }
     decideParts(participants, cost);
-    keepACore(participants, job.request.settings);
+    keepCores(participants, job.request.settings);
     HybridTrial* trial = nullptr;
     const bool forced = std::ranges::any_of(job.candidates, &Candidate::forced);
     if (!forced && workingCount(participants) > 1 && !anyProbes(participants)) {
-        trial = &memory.trials[job.request.effects.bits];
+        // Per effect set, samples a tile and size of the work: small parts of a frame profit less.
+        trial = &memory.trials[{job.request.effects.bits, job.tiles.front().sampleCount, std::ilogb(std::max(cost, 1.0))}];
         if (!trial->together(now)) {
             char reason[96] = "the best device is timed alone";
             if (trial->measured()) {
@@ -158,6 +171,13 @@ std::shared_ptr<TileRun> TileScheduler::automatic(const Job& job, ScheduleMemory
             }
             parkAllButBest(participants, reason);
         }
+    }
+    if (workingCount(participants) == 1 && !anyProbes(participants)) callOnce(participants);
+    if (std::ranges::any_of(participants, &Participant::whole)) {
+        work.order.resize(work.tiles.size());
+        std::iota(work.order.begin(), work.order.end(), 0u);
+    } else {
+        putInOrder(work, cost, job.history);
     }
     auto run = std::make_shared<TileRun>(std::move(work), std::move(participants), absentees(job.candidates));
     run->render(crew_, job.stop, false);
@@ -197,6 +217,7 @@ std::vector<std::shared_ptr<TileRun>> TileScheduler::manual(const Job& job, Sche
             participants.back().part = {participants.back().known.rate > 0.0 ? Part::works : Part::probes, ""};
         }
         TileWork work = workOf(job.request, std::move(parts[side]), job.history, job.sink);
+        putInOrder(work, std::accumulate(work.costs.begin(), work.costs.end(), 0.0), job.history);
         const std::vector<DeviceReport> absent = side == 0 ? absentees(job.candidates) : std::vector<DeviceReport>{};
         runs.push_back(std::make_shared<TileRun>(std::move(work), std::move(participants), absent));
     }

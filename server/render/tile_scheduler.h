@@ -10,6 +10,7 @@
 #include "server/render/turns.h"
 
 #include <map>
+#include <tuple>
 
 namespace heliograph {
 
@@ -25,7 +26,7 @@ struct Candidate {
 /// What was learned of the devices of one scene. Of one frame at a time.
 struct ScheduleMemory {
     RateBook rates;
-    std::map<uint32_t, HybridTrial> trials;  // by effect set
+    std::map<std::tuple<uint32_t, uint32_t, int>, HybridTrial> trials;  // by effect set, samples a tile, log2 of the cost
 };
 
 struct ScheduleResult {

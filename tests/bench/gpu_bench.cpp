@@ -6,7 +6,8 @@
 //   heliograph-bench parity    our scenes against Embree, also as a checkerboard; JSON, pictures
 //   heliograph-bench start     seconds from nothing to the first frame; JSON
 //   heliograph-bench devices   what there is
-// Options: --device D, --size WxH, --detail X (share of the triangles), --repetitions N, --out FOLDER, --validation
+// Options: --device D, --size WxH, --detail X (share of the triangles), --repetitions N, --out FOLDER, --validation,
+// --scene NAME (hybrid: one of the three)
 
 #include "tests/bench/colonnade.h"
 
@@ -40,7 +41,7 @@ using nlohmann::ordered_json;
 using KernelType = scalar_kernel::Kernel<0u>;
 
 struct Options {
-    std::string command, device, out = ".";
+    std::string command, device, scene, out = ".";
     uvec2 size{1920, 1080};
     float detail = 1.0f;
     uint32_t repetitions = 30;
@@ -362,6 +363,7 @@ ordered_json benchTogether(const Options& options) {
     TileScheduler scheduler;
     ordered_json json;
     for (const char* name : {"courtyard", "cathedral", "glass"}) {
+        if (!options.scene.empty() && options.scene != name) continue;
         SceneBuilder builder(name);
         generateScene(name, builder);
         auto scene = builder.finish();
@@ -372,18 +374,28 @@ ordered_json benchTogether(const Options& options) {
             return word == "embree" ? makeEmbreeDevice() : makeVulkanDevice(word.substr(7), vulkanOptions(options));
         };
         auto device = makeDeviceSwitch(offer, scheduler, {{}, true, false});
+        auto forced = makeDeviceSwitch(offer, scheduler, {{}, true, true});
         HybridBenchOptions wanted;
         wanted.camera = cameraFrom(scene->cameras.front());
         wanted.resolution = options.size;
-        wanted.repetitions = std::min(options.repetitions, 15u);
+        wanted.repetitions = std::min(options.repetitions, 9u);
         wanted.devices = offer.team;
-        wanted.warmUp = 40;
         Settings hybrid = wanted.settings;
         hybrid.set("device", "hybrid");
         device->load(scene, hybrid, {});
+        forced->load(scene, hybrid, {});
         for (uint32_t samples : {1u, 4u, 16u}) {
             wanted.samples = samples;
+            wanted.warmUp = samples == 1 ? 40 : 16;
             json[name].push_back(toJson(benchHybrid(*device, *scene, wanted, {})));
+            // The same with the processor made to take part, whatever that gains.
+            HybridBenchOptions both = wanted;
+            both.apart = false;
+            both.repetitions = 3;
+            json[name].back()["forced"] = toJson(benchHybrid(*forced, *scene, both, {}));
+            const ordered_json& row = json[name].back();
+            std::fprintf(stderr, "%s, %u samples: %.2f ms, %.3f of the best alone\n", name, samples, row["ms"].get<double>(),
+                         row["ratio"].get<double>());
         }
     }
     return json;
@@ -408,6 +420,7 @@ Options parse(int argc, char** argv) {
             return std::string(argv[i]);
         };
         if (word == "--device") options.device = value();
+        else if (word == "--scene") options.scene = value();
         else if (word == "--size") {
             if (std::sscanf(value().c_str(), "%ux%u", &options.size.x, &options.size.y) != 2)
                 throw std::runtime_error("--size wants WxH");

@@ -192,6 +192,19 @@ TEST_F(Hybrid, ADeviceThatFailsIsSetAsideForGoodAndViewersAreTold) {
     EXPECT_EQ(notices.size(), 1u);
 }
 
+TEST_F(Hybrid, OneThatStallsSitsOutUntilItHasAnswered) {
+    make(true);
+    render();
+    gpu.hold();
+    while (history->report.devices[1].part.reason.find("still owes") == std::string::npos) EXPECT_EQ(render().samples, 1u);
+    const uint32_t calls = gpu.calls;
+    EXPECT_EQ(render().samples, 1u);
+    EXPECT_EQ(gpu.calls, calls);
+    gpu.release();
+    while (gpu.calls == calls) EXPECT_EQ(render().samples, 1u);
+    EXPECT_TRUE(notices.empty());
+}
+
 TEST_F(Hybrid, OneThatDoesNotStartIsLeftOut) {
     gpu.failsToLoad = true;
     make(true);

@@ -4,6 +4,7 @@
 #include "server/device/vulkan/batch.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <pthread.h>
 #include <sched.h>
@@ -25,6 +26,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr size_t IN_FLIGHT = 2;
+constexpr int ADDERS = 2;           // threads of a stream that add its results to the film
+constexpr uint64_t OVERLAPPED = 4;  // batches of a frame on a GPU
 constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to reach its clock
 
 /// Keeps the calling thread, and threads that it starts, on the last core until `restore`.
@@ -76,6 +79,8 @@ public:
         info.streams = physical.isCpu() ? 1 : 2;
         info.batchSeconds = batchSeconds_;
         info.stampsTiles = false;  // streams share the queue
+        info.overlaps = !physical.isCpu();
+        info.coresPerStream = physical.isCpu() ? 0 : ADDERS;
         return info;
     }
 
@@ -121,7 +126,11 @@ public:
                 batch = submitNext(request, tiles, next);
                 const double seconds = batch->finish();
                 learn(seconds, batch->samples());
-                handOver(*batch, seconds, sink);
+                // On few threads: all cores but those that the scheduler keeps free trace meanwhile.
+                tbb::task_arena adders(ADDERS);
+                adders.execute([&] {
+                    tbb::parallel_for(size_t(0), batch->tileCount(), [&](size_t i) { handOver(*batch, i, seconds, sink); });
+                });
                 release(*batch, false);
             } catch (...) {
                 std::lock_guard lock(mutex_);
@@ -208,12 +217,12 @@ private:
     void renderAll(Resident& resident, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
         FrameConstants frame = frameConstants(*source_, request);
         VkPipeline pipeline = pipelineFor(resident, request);
+        const uint64_t wanted = wantedSamples(tiles);
         size_t next = 0;
         for (size_t turn = 0;; turn++) {
             Batch& batch = *resident.batches[turn % IN_FLIGHT];
             if (batch.inFlight()) deliver(batch, sink);
             if (!stop.stop_requested()) {
-                uint64_t wanted = size_.samples();
                 while (next < tiles.size() && batch.takes(tiles[next], wanted)) batch.add(tiles[next++]);
             }
             if (!batch.empty()) batch.submit(pipeline, frame);
@@ -230,16 +239,22 @@ private:
     void deliver(Batch& batch, const TileSink& sink) {
         double seconds = batch.finish();
         size_.learn(seconds, batch.samples());
-        handOver(batch, seconds, sink);
+        tbb::parallel_for(size_t(0), batch.tileCount(), [&](size_t i) { handOver(batch, i, seconds, sink); });
         batch.clear();
     }
 
-    void handOver(const Batch& batch, double seconds, const TileSink& sink) {
-        tbb::parallel_for(size_t(0), batch.tileCount(), [&](size_t i) {
-            TileResult result = batch.result(i, seconds);
-            result.device = name_;
-            sink(std::move(result));
-        });
+    void handOver(const Batch& batch, size_t index, double seconds, const TileSink& sink) {
+        TileResult result = batch.result(index, seconds);
+        result.device = name_;
+        sink(std::move(result));
+    }
+
+    // Samples of one batch. A GPU gets its tiles in a few, so that the host can add one while the next one is traced.
+    uint64_t wantedSamples(std::span<const Tile> tiles) const {
+        if (gpu_.physical().isCpu()) return size_.samples();
+        uint64_t all = 0;
+        for (const Tile& tile : tiles) all += uint64_t(tile.size.x) * tile.size.y * tile.sampleCount;
+        return std::clamp(all / OVERLAPPED, std::min(size_.least, size_.samples()), size_.samples());
     }
 
     // After a failure: nothing may be in flight when the next frame begins. A lost device says so at once.
