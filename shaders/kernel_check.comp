@@ -19,6 +19,7 @@ layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 #include "kernel/light.glsl"
 #include "kernel/surface.glsl"
 #include "kernel/material.glsl"
+#include "kernel/effects/soft_shadows.glsl"
 #include "kernel/whitted.glsl"
 
 layout(std430, set = 0, binding = 20) writeonly buffer Output { vec4 results[]; };
@@ -37,6 +38,8 @@ void main() {
     radiance += emittedRadiance(m, throughput);
     ShadowRay shadow = lightRay(0u, s, m, wo, throughput);
     radiance += shadow.contribution * surfaceTransmittance(s, shadow.ray.direction);
+    shadow = lightSampleRay(0u, allLightSamples() - 1u, 3u, pixel, path.salt, s, m, wo, throughput);
+    radiance += shadow.contribution;
     vec3 tangent;
     vec3 bitangent;
     orthonormalBasis(m.normal, tangent, bitangent);

@@ -58,7 +58,10 @@ vec3 transmittance(Ray ray) {
 void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, Surface s, Shading m, vec3 wo, vec3 throughput, vec3 ambient,
                  bool occlusion, inout vec3 radiance) {
     uint lights = FRAME.lightCount;
+    if (HAS(EFFECT_SOFT_SHADOWS)) lights = allLightSamples();
     uint total = lights + (occlusion ? FRAME.aoSamples : 0u);
+    uint light = 0u;
+    uint raysOfLight = 0u;
     uint visible = 0u;
     uint shift = occlusionShift(pixel, p.salt);
     vec3 tangent = vec3(0.0f);
@@ -67,7 +70,16 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, Surface s, Shading 
     for (uint i = 0u; i < total; i++) {
         ShadowRay r;
         if (i < lights) {
-            r = lightRay(i, s, m, wo, throughput);
+            if (HAS(EFFECT_SOFT_SHADOWS)) {
+                r = lightSampleRay(light, raysOfLight, sampleIndex, pixel, p.salt, s, m, wo, throughput);
+                raysOfLight++;
+                if (raysOfLight == lightSamples(light)) {
+                    light++;
+                    raysOfLight = 0u;
+                }
+            } else {
+                r = lightRay(i, s, m, wo, throughput);
+            }
             if (!(maxComponent(r.contribution) > 0.0f)) continue;
             if (!HAS(EFFECT_SHADOWS)) {
                 radiance = radiance + r.contribution;

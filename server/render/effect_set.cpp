@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 
 namespace heliograph {
 
@@ -125,13 +126,21 @@ Finding shadowsIn(const Usage& usage) {
     const Scene& scene = usage.scene;
     if (scene.lights.empty()) return {false, "no light"};
     if (usage.triangles == 0) return {false, "no triangles"};
-    static const char* const KINDS[] = {"point", "spot", "directional", "headlight"};
+    static const char* const KINDS[] = {"point", "spot", "directional", "headlight", "quad"};
     std::string kinds;
-    for (uint32_t type = 0; type < 4; type++) {
+    for (uint32_t type = 0; type < std::size(KINDS); type++) {
         auto number = std::count_if(scene.lights.begin(), scene.lights.end(), [&](const Light& l) { return l.type == type; });
         if (number > 0) kinds += (kinds.empty() ? "" : ", ") + std::to_string(number) + " " + KINDS[type];
     }
     return {true, counted(scene.lights.size(), "light") + " (" + kinds + ")"};
+}
+
+Finding softShadowsIn(const Usage& usage) {
+    const auto& lights = usage.scene.lights;
+    if (usage.triangles == 0) return {false, "no triangles"};
+    auto wide = std::count_if(lights.begin(), lights.end(), [](const Light& l) { return l.radius > 0.0f || l.type == LIGHT_QUAD; });
+    if (wide == 0) return {false, "no light has an extent"};
+    return {true, counted(static_cast<uint64_t>(wide), "light") + " with an extent"};
 }
 
 Finding transparentShadowsIn(const Usage& usage) {
@@ -202,6 +211,7 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
         case EFFECT_TANGENTS: return tangentsIn(usage);
         case EFFECT_SECOND_UV:
             return material("every texture uses the first coordinates", [&](const Material& m) { return usesSecondUv(usage.scene, m); });
+        case EFFECT_SOFT_SHADOWS: return softShadowsIn(usage);
         default: break;
     }
     // A row added to the table without a rule here is on: never a wrong picture, and the reason says what to do.
@@ -240,6 +250,7 @@ EffectSet allowedEffects(const Settings& settings) {
 #undef EFFECT
     // A radius of 0 darkens nothing, so no ray is spent on it.
     if (settings.aoRadius <= 0.0f) allowed.bits &= ~EFFECT_AMBIENT_OCCLUSION;
+    if (!settings.shadows) allowed.bits &= ~EFFECT_SOFT_SHADOWS;
     return allowed;
 }
 

@@ -241,6 +241,8 @@ private:
         light.direction = direction(toWorld, 2, -1.0);
         light.range = static_cast<float>(from.range);
         light.cosInner = 1.0f;
+        // KHR_lights_punctual knows points alone; an extent comes as `extras.radius`, metres (radians if directional).
+        if (from.extras.IsObject()) light.radius = static_cast<float>(numberOf(from.extras, "radius", 0.0));
         for (int i = 0; i < 3; i++)
             light.intensity[i] = static_cast<float>(
                 (from.color.size() == 3 ? from.color[static_cast<size_t>(i)] : 1.0) * from.intensity);

@@ -61,12 +61,18 @@ int repairMaterial(Material& m, size_t textures) {
 bool repairLight(Light& light) {
     if (!finite(light.position) || !finite(light.direction) || !finite(light.intensity)) return false;
     if (!std::isfinite(light.range) || light.range < 0.0f) light.range = 0.0f;
-    if (light.type > LIGHT_HEADLIGHT || light.falloff > FALLOFF_LINEAR) return false;
+    if (light.type > LIGHT_QUAD || light.falloff > FALLOFF_LINEAR) return false;
+    if (!std::isfinite(light.radius) || light.radius < 0.0f || light.type == LIGHT_HEADLIGHT || light.type == LIGHT_QUAD)
+        light.radius = 0.0f;
+    if (light.type == LIGHT_QUAD) {
+        if (!finite(light.edge) || !(glm::length(light.edge) > 0.0f)) return false;
+        if (!std::isfinite(light.aspect) || light.aspect < 0.0f) light.aspect = 0.0f;
+    }
     light.intensity = glm::clamp(light.intensity, vec3(0.0f), vec3(1e12f));
     const float length = glm::length(light.direction);
     if (length > 0.0f && std::isfinite(length)) {
         light.direction /= length;
-    } else if (light.type == LIGHT_SPOT || light.type == LIGHT_DIRECTIONAL) {
+    } else if (light.type == LIGHT_SPOT || light.type == LIGHT_DIRECTIONAL || light.type == LIGHT_QUAD) {
         return false;
     } else {
         light.direction = vec3(0.0f, -1.0f, 0.0f);

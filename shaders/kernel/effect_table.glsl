@@ -1,6 +1,6 @@
 // One row per effect: EFFECT(bit, CONSTANT, name, setting that switches it or "", help). The including file defines EFFECT.
 // A scene calls for an effect (render/effect_set), a viewer's settings allow it; what is not in both costs no ray.
-EFFECT(0, EFFECT_SHADOWS, "shadows", "shadows", "Hard shadows: one ray per light and hit.")
+EFFECT(0, EFFECT_SHADOWS, "shadows", "shadows", "Shadows: one ray per light and hit.")
 EFFECT(1, EFFECT_TRANSPARENT_SHADOWS, "transparentShadows", "shadows", "Shadow rays pass transparent surfaces and take their colour.")
 EFFECT(2, EFFECT_REFLECTIONS, "reflections", "reflections", "Mirror reflections on smooth metals, glass and polished surfaces.")
 EFFECT(3, EFFECT_REFRACTIONS, "refractions", "refractions", "Refraction through transmissive surfaces.")
@@ -16,3 +16,4 @@ EFFECT(12, EFFECT_EMISSION, "emission", "", "Surfaces that glow.")
 EFFECT(13, EFFECT_INSTANCING, "instancing", "", "One mesh stands in several places.")
 EFFECT(14, EFFECT_TANGENTS, "tangents", "", "Tangents stored at vertices steer the normal maps.")
 EFFECT(15, EFFECT_SECOND_UV, "secondTextureCoordinates", "", "A texture uses the second set of coordinates.")
+EFFECT(16, EFFECT_SOFT_SHADOWS, "softShadows", "softShadows", "Lights with an extent throw shadows with soft edges: several rays per light and hit.")

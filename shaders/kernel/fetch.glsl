@@ -87,10 +87,12 @@ FETCHED(14, fetchSobol)
 #define IMAGE_format(i) ROW(fetchImages, i, 1u, 0u).z
 
 Light fetchLight(uint i) {
-    vec4 position = ROWF(fetchLights, i, 4u, 0u);
-    vec4 direction = ROWF(fetchLights, i, 4u, 1u);
-    vec4 intensity = ROWF(fetchLights, i, 4u, 2u);
-    uvec4 kind = ROW(fetchLights, i, 4u, 3u);
-    return Light(position.xyz, position.w, direction.xyz, direction.w, intensity.xyz, intensity.w, kind.x, kind.y, 0u, 0u);
+    vec4 position = ROWF(fetchLights, i, 5u, 0u);
+    vec4 direction = ROWF(fetchLights, i, 5u, 1u);
+    vec4 intensity = ROWF(fetchLights, i, 5u, 2u);
+    uvec4 kind = ROW(fetchLights, i, 5u, 3u);
+    vec4 edge = ROWF(fetchLights, i, 5u, 4u);
+    return Light(position.xyz, position.w, direction.xyz, direction.w, intensity.xyz, intensity.w, kind.x, kind.y,
+                 uintBitsToFloat(kind.z), 0u, edge.xyz, edge.w);
 }
 #define LIGHT(i) fetchLight(i)

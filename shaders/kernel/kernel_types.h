@@ -32,7 +32,7 @@ static_assert(sizeof(Instance) == 112 && offsetof(Instance, mesh) == 96);
 static_assert(sizeof(Material) == 144 && offsetof(Material, metallic) == 80 && offsetof(Material, flags) == 112);
 static_assert(sizeof(TextureSlot) == 48 && offsetof(TextureSlot, image) == 24);
 static_assert(sizeof(Image) == 16 && sizeof(ImageLevel) == 16);
-static_assert(sizeof(Light) == 64 && offsetof(Light, intensity) == 32);
+static_assert(sizeof(Light) == 80 && offsetof(Light, intensity) == 32 && offsetof(Light, edge) == 64);
 static_assert(sizeof(Environment) == 192 && offsetof(Environment, ambient) == 32);
 static_assert(sizeof(KernelCamera) == 64);
 static_assert(offsetof(FrameConstants, resolution) == 64);

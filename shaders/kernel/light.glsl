@@ -22,6 +22,14 @@ float lightFalloff(Light light, float distance) {
     return SELECT(d2 > 0.0f, window / SELECT(d2 > 0.0f, d2, 1.0f), 0.0f);
 }
 
+// Share of a spot light that goes the way against `direction` (unit, towards the light).
+float spotEdge(Light light, vec3 direction) {
+    float cosine = -dot(direction, light.direction);
+    float edge = saturate((cosine - light.cosOuter) / max(light.cosInner - light.cosOuter, 1.0e-4f));
+    return edge * edge;
+}
+
+// The light as seen from `point`; one with an extent as the point in its middle.
 LightSample lightAt(UNIFORM_UINT index, vec3 point) {
     Light light = LIGHT(index);
     LightSample result;
@@ -38,11 +46,8 @@ LightSample lightAt(UNIFORM_UINT index, vec3 point) {
     result.direction = offset * (1.0f / SELECT(result.distance > 0.0f, result.distance, 1.0f));
     if (light.type == LIGHT_HEADLIGHT) return result;
     float falloff = lightFalloff(light, result.distance);
-    if (light.type == LIGHT_SPOT) {
-        float cosine = -dot(result.direction, light.direction);
-        float edge = saturate((cosine - light.cosOuter) / max(light.cosInner - light.cosOuter, 1.0e-4f));
-        falloff = falloff * (edge * edge);
-    }
+    if (light.type == LIGHT_SPOT) falloff = falloff * spotEdge(light, result.direction);
+    if (light.type == LIGHT_QUAD) falloff = falloff * max(-dot(result.direction, light.direction), 0.0f);
     result.irradiance = result.irradiance * falloff;
     return result;
 }

@@ -139,21 +139,25 @@ UINT_CONSTANT(LIGHT_POINT, 0u)
 UINT_CONSTANT(LIGHT_SPOT, 1u)
 UINT_CONSTANT(LIGHT_DIRECTIONAL, 2u)
 UINT_CONSTANT(LIGHT_HEADLIGHT, 3u)  // shines from the camera, no falloff
+UINT_CONSTANT(LIGHT_QUAD, 4u)       // a rectangle that shines to the side it faces, with the cosine
 UINT_CONSTANT(FALLOFF_INVERSE_SQUARE, 0u)
 UINT_CONSTANT(FALLOFF_LINEAR, 1u)   // max(1 - d / range, 0), as RayEngine's lights
 
-// 64 bytes.
+// 80 bytes.
 struct Light {
-    vec3 position;
+    vec3 position;     // of a quad: its centre
     float range;       // 0 = unlimited
-    vec3 direction;    // unit, the way the light travels (spot, directional)
+    vec3 direction;    // unit, the way the light travels (spot, directional, quad)
     float cosInner;
-    vec3 intensity;    // point and spot: radiant intensity; directional: irradiance; linear falloff: irradiance at 0
+    vec3 intensity;    // point and spot: radiant intensity, quad: the same along its direction; directional: irradiance;
+                       // linear falloff: irradiance at 0
     float cosOuter;
     uint type;
     uint falloff;
+    float radius;      // point and spot: of the ball that shines; directional: tangent of the angular radius; 0 = a point
     uint pad0;
-    uint pad1;
+    vec3 edge;         // quad: from the centre to the middle of a side
+    float aspect;      // quad: half length of that side over the length of `edge`
 };
 
 // What surrounds the scene. 192 bytes.

@@ -78,9 +78,8 @@ struct ShadowRay {
     vec3 contribution;  // to the pixel if nothing is in the way; 0 = no ray is needed
 };
 
-ShadowRay lightRay(UNIFORM_UINT index, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
+ShadowRay shadowRayTo(IN(LightSample) light, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
     ShadowRay r;
-    LightSample light = lightAt(index, s.position);
     bool faces = dot(s.geometricNormal, light.direction) > 0.0f || dot(s.normal, light.direction) > 0.0f;
     vec3 reflected = reflectedLight(m, wo, light.direction) * light.irradiance;
     r.contribution = throughput * reflected * SELECT(faces, m.alpha, 0.0f);
@@ -89,6 +88,22 @@ ShadowRay lightRay(UNIFORM_UINT index, IN(Surface) s, IN(Shading) m, vec3 wo, ve
     r.ray.direction = light.direction;
     r.ray.tMax = SELECT(light.distance < FLOAT_MAX, light.distance * 0.9999f, FLOAT_MAX);
     return r;
+}
+
+// The ray to a light, or to the middle of one with an extent.
+ShadowRay lightRay(UNIFORM_UINT index, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
+    return shadowRayTo(lightAt(index, s.position), s, m, wo, throughput);
+}
+
+// Ray `ray` of lightSamples(index).
+ShadowRay lightSampleRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt,
+                         IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
+    if (HAS(EFFECT_SOFT_SHADOWS)) {
+        if (hasExtent(index) != 0u)
+            return shadowRayTo(softLightAt(index, shadowPoint(sampleIndex, ray), shadowShift(pixel, salt, index), s.position),
+                               s, m, wo, throughput);
+    }
+    return lightRay(index, s, m, wo, throughput);
 }
 
 // Colour that one transparent surface lets through to a light; for the walk of shadow rays along their surfaces. A ray

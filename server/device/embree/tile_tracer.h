@@ -220,8 +220,10 @@ private:
     void shadeHits() {
         uint32_t lights = kernel_.frame.lightCount;
         // Many lights take the points in smaller runs, so that the queues stay small.
-        uint32_t run = lights > 8 ? lesser(BLOCK_LANES, (8192u / lights + PACKET) / PACKET * PACKET) : BLOCK_LANES;
-        for (uint32_t l = 0; l < lights; l++) arena_.shadows.data[l]->reserve(lesser(run, hitCount_));
+        uint32_t rays = kernel_.allLightSamples();
+        uint32_t run = rays > 8 ? lesser(BLOCK_LANES, (8192u / rays + PACKET) / PACKET * PACKET) : BLOCK_LANES;
+        for (uint32_t l = 0; l < lights; l++)
+            arena_.shadows.data[l]->reserve(lesser(run, hitCount_) * kernel_.lightSamples(l));
         for (uint32_t first = 0; first < hitCount_; first += run) {
             uint32_t end = lesser(first + run, hitCount_);
             for (uint32_t l = 0; l < lights; l++) arena_.shadows.data[l]->count = 0;
@@ -249,11 +251,10 @@ private:
         if (uint32_t bits = laneBits(occlusion) & g.mask()) pushOcclusion(g, bits, path, s, m, ambient);
         pushNext(g, path, s, m, throughput, radiance);
         g.store(arena_.radiance, radiance);
-        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
-            auto shadow = kernel_.lightRay(l, s, m, wo, throughput);
-            uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
-            if (bits) pushShadow(*arena_.shadows.data[l], g, bits, shadow.ray, shadow.contribution);
-        }
+        Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
+        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++)
+            for (uint32_t i = 0; i < kernel_.lightSamples(l); i++)
+                pushShadow(l, g, kernel_.lightSampleRay(l, i, sample_, pixel, path.salt, s, m, wo, throughput));
     }
 
     HELIOGRAPH_INLINE void pushNext(const Group& g, const Path& path, const Surface& s, const Shading& m, Vec3 throughput,
@@ -286,6 +287,11 @@ private:
         to.depth = from.depth.v[i];
         to.medium = from.medium.v[i];
         to.salt = from.salt.v[i];
+    }
+
+    HELIOGRAPH_INLINE void pushShadow(uint32_t light, const Group& g, const typename KernelType::ShadowRay& shadow) {
+        uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
+        if (bits) pushShadow(*arena_.shadows.data[light], g, bits, shadow.ray, shadow.contribution);
     }
 
     HELIOGRAPH_INLINE void pushShadow(ShadowQueue& queue, const Group& g, uint32_t bits, const RayLanes& ray,

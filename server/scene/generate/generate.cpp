@@ -21,6 +21,8 @@ const std::vector<Entry>& entries() {
         {{"glass", "Drinking glasses, a teapot and a mirror torus knot on a tiled floor under an evening sky"},
          fillGlass},
         {{"cornell", "The classic box: red and green walls, two blocks, a glass ball and a mirror ball"}, fillCornell},
+        {{"effects/soft-shadows", "A stage with columns under a shining ball and a shining panel"}, fillSoftShadows},
+        {{"effects/hard-shadows", "The same stage under two point lights"}, fillHardShadows},
     };
     return table;
 }

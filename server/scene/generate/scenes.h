@@ -9,5 +9,7 @@ void fillCourtyard(SceneBuilder& builder);
 void fillCathedral(SceneBuilder& builder);
 void fillGlass(SceneBuilder& builder);
 void fillCornell(SceneBuilder& builder);
+void fillSoftShadows(SceneBuilder& builder);
+void fillHardShadows(SceneBuilder& builder);
 
 }  // namespace heliograph

@@ -80,4 +80,19 @@ Light pointLight(vec3 position, vec3 intensity) {
     return light;
 }
 
+Light ballLight(vec3 position, float radius, vec3 intensity) {
+    Light light = pointLight(position, intensity);
+    light.radius = radius;
+    return light;
+}
+
+Light quadLight(vec3 center, vec3 target, vec2 halfSize, vec3 intensity) {
+    Light light = pointLight(center, intensity);
+    light.type = LIGHT_QUAD;
+    light.direction = glm::normalize(target - center);
+    light.edge = glm::normalize(glm::cross(light.direction, vec3(0, 1, 0))) * halfSize.x;
+    light.aspect = halfSize.y / halfSize.x;
+    return light;
+}
+
 }  // namespace heliograph::generate

@@ -24,5 +24,9 @@ Light sunLight(vec3 toSun, vec3 irradiance);
 /// Unit vector to the sun from elevation and azimuth (degrees; azimuth 0 = -Z, 90 = +X).
 vec3 directionOf(float elevation, float azimuth);
 Light pointLight(vec3 position, vec3 intensity);
+/// A ball that shines; from afar as a point light of that intensity.
+Light ballLight(vec3 position, float radius, vec3 intensity);
+/// A rectangle that shines towards `target` (not straight up or down): half its width, which is level, and half its height.
+Light quadLight(vec3 center, vec3 target, vec2 halfSize, vec3 intensity);
 
 }  // namespace heliograph::generate

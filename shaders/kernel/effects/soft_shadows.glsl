@@ -1,0 +1,107 @@
+// Soft shadows: a light with an extent is seen through FRAME.shadowSamples rays from each point. Balls and the sun are
+// sampled by the cone that they fill (Shirley, Wang & Zimmerman, "Monte Carlo Techniques for Direct Lighting
+// Calculations", 1996), quads by their area. A surface that faces a ball gets exactly what a point light would give.
+
+// 1 if the light has an extent, else 0.
+UNIFORM_UINT hasExtent(UNIFORM_UINT index) {
+    Light light = LIGHT(index);
+    if (light.radius > 0.0f || light.type == LIGHT_QUAD) return 1u;
+    return 0u;
+}
+
+// Rays that go to the light from each point.
+UNIFORM_UINT lightSamples(UNIFORM_UINT index) {
+    if (!HAS(EFFECT_SOFT_SHADOWS)) return 1u;
+    if (hasExtent(index) == 0u) return 1u;
+    return FRAME.shadowSamples;
+}
+
+// The sum over all lights.
+UNIFORM_UINT allLightSamples() {
+    if (!HAS(EFFECT_SOFT_SHADOWS)) return FRAME.lightCount;
+    UNIFORM_UINT sum = 0u;
+    for (UNIFORM_UINT i = 0u; i < FRAME.lightCount; i++) sum = sum + lightSamples(i);
+    return sum;
+}
+
+// Point of the Sobol table for ray `ray` of sample `sampleIndex`.
+uvec2 shadowPoint(UNIFORM_UINT sampleIndex, UNIFORM_UINT ray) {
+    return SOBOL((sampleIndex * FRAME.shadowSamples + ray) & (SOBOL_COUNT - 1u));
+}
+
+// Digit shift of the table for a pixel, a vertex of its path and a light.
+uint shadowShift(uvec2 pixel, uint salt, UNIFORM_UINT light) {
+    return hashPixel(pixel, hashUint(salt + (light + 1u) * 0x9e3779b9u) + FRAME.seed);
+}
+
+// The direction whose cosine to `axis` is 1 - x, `turn` about it.
+vec3 coneDirection(vec3 axis, float x, float turn) {
+    float sine;
+    float cosine;
+    sinCosTurn(turn, sine, cosine);
+    float r = sqrt(x * (2.0f - x));
+    vec3 tangent;
+    vec3 bitangent;
+    orthonormalBasis(axis, tangent, bitangent);
+    return normalize3(tangent * (r * cosine) + bitangent * (r * sine) + axis * (1.0f - x));
+}
+
+LightSample quadLightAt(Light light, float u, float v, vec3 point) {
+    LightSample result;
+    vec3 normal = light.direction;
+    vec3 edge = light.edge;
+    vec3 across = cross(normal, edge) * light.aspect;
+    vec3 offset = light.position + edge * (2.0f * u - 1.0f) + across * (2.0f * v - 1.0f) - point;
+    result.distance = sqrt(dot(offset, offset));
+    result.direction = offset * (1.0f / SELECT(result.distance > 0.0f, result.distance, 1.0f));
+    float cosine = max(-dot(result.direction, normal), 0.0f);
+    result.irradiance = light.intensity * (lightFalloff(light, result.distance) * cosine);
+    return result;
+}
+
+LightSample sunAt(Light light, float u, float v) {
+    LightSample result;
+    float tangent2 = light.radius * light.radius;
+    float sin2 = tangent2 / (1.0f + tangent2);
+    float cosMax = sqrt(1.0f - sin2);
+    vec3 axis = vec3(-light.direction.x, -light.direction.y, -light.direction.z);
+    result.direction = coneDirection(axis, u * (sin2 / (1.0f + cosMax)), v);
+    result.distance = FLOAT_MAX;
+    result.irradiance = light.intensity * (2.0f / (1.0f + cosMax));
+    return result;
+}
+
+// What a ball of radius r sends along one direction of its cone: radiance I / (pi r^2) times the solid angle
+// 2 pi (1 - cos). From inside it fills the hemisphere about its centre, and nothing is in the way.
+LightSample ballLightAt(Light light, float u, float v, vec3 point) {
+    LightSample result;
+    vec3 offset = light.position - point;
+    float d2 = dot(offset, offset);
+    float d = sqrt(d2);
+    float r2 = light.radius * light.radius;
+    float sin2 = min(r2 / max(d2, 1.0e-30f), 1.0f);
+    float cosMax = sqrt(1.0f - sin2);
+    vec3 axis = SELECT(d > 0.0f, offset * (1.0f / SELECT(d > 0.0f, d, 1.0f)), vec3(0.0f, 1.0f, 0.0f));
+    float x = u * (sin2 / (1.0f + cosMax));
+    result.direction = coneDirection(axis, x, v);
+    float along = d * (1.0f - x);
+    float half_ = sqrt(max(r2 - d2 * (x * (2.0f - x)), 0.0f));
+    result.distance = SELECT(d2 > r2, max(along - half_, 0.0f), 0.0f);
+    float falloff = lightFalloff(light, max(d, light.radius)) * (2.0f / (1.0f + cosMax));
+    if (light.type == LIGHT_SPOT) falloff = falloff * spotEdge(light, axis);
+    result.irradiance = light.intensity * falloff;
+    return result;
+}
+
+// One of the light's points as seen from `point`, with its share of the irradiance.
+LightSample softLightAt(UNIFORM_UINT index, uvec2 number, uint shift, vec3 point) {
+    Light light = LIGHT(index);
+    float u = unitFloat(number.x ^ shift);
+    float v = unitFloat(number.y ^ hashUint(shift));
+    LightSample result;
+    if (light.type == LIGHT_QUAD) result = quadLightAt(light, u, v, point);
+    else if (light.type == LIGHT_DIRECTIONAL) result = sunAt(light, u, v);
+    else result = ballLightAt(light, u, v, point);
+    result.irradiance = result.irradiance * (1.0f / float(int(FRAME.shadowSamples)));
+    return result;
+}
