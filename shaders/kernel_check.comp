@@ -20,6 +20,7 @@ layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 #include "kernel/surface.glsl"
 #include "kernel/material.glsl"
 #include "kernel/effects/soft_shadows.glsl"
+#include "kernel/effects/depth_of_field.glsl"
 #include "kernel/whitted.glsl"
 
 layout(std430, set = 0, binding = 20) writeonly buffer Output { vec4 results[]; };

@@ -38,8 +38,10 @@ uint rayKindOf(uint depth) { return depth >> 24; }
 PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
     PathState p;
     vec2 jitter = pixelJitter(sampleIndex);
-    p.origin = FRAME.camera.origin;
-    p.direction = cameraDirection(float(int(pixel.x)) + jitter.x, float(int(pixel.y)) + jitter.y);
+    CameraPose camera = cameraAtRest();
+    p.origin = camera.origin;
+    p.direction = directionFrom(camera, float(int(pixel.x)) + jitter.x, float(int(pixel.y)) + jitter.y);
+    if (HAS(EFFECT_DEPTH_OF_FIELD)) throughLens(camera, pixel, sampleIndex, p.origin, p.direction);
     p.throughput = vec3(1.0f, 1.0f, 1.0f);
     p.coneWidth = 0.0f;
     // The cone's spread is varied over [1/sqrt(2), sqrt(2)], half a mip level up or down: textures then take one level

@@ -35,7 +35,8 @@ ImageData plainImage(uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha = 2
 }
 
 TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
-    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion"}));
+    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField"}))
+        << "the last ones are the viewer's choice";
 }
 
 TEST(EffectSet, OneRowPerEffectOfTheTableInItsOrder) {
@@ -176,6 +177,12 @@ TEST(EffectSet, SettingsAllowWhatTheySwitch) {
     EXPECT_TRUE(allowed.has(EFFECT_TEXTURES)) << "has no switch";
     settings.aoRadius = 0.0f;
     EXPECT_FALSE(allowedEffects(settings).has(EFFECT_AMBIENT_OCCLUSION));
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_SOFT_SHADOWS)) << "without shadows";
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_DEPTH_OF_FIELD));
+    settings.depthOfField = true;
+    EXPECT_TRUE(allowedEffects(settings).has(EFFECT_DEPTH_OF_FIELD));
+    settings.aperture = 0.0f;
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_DEPTH_OF_FIELD)) << "a pinhole";
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ const std::vector<Entry>& entries() {
         {{"cornell", "The classic box: red and green walls, two blocks, a glass ball and a mirror ball"}, fillCornell},
         {{"effects/soft-shadows", "A stage with columns under a shining ball and a shining panel"}, fillSoftShadows},
         {{"effects/hard-shadows", "The same stage under two point lights"}, fillHardShadows},
+        {{"effects/depth-of-field", "Balls in a row towards small lamps, for a lens to blur"}, fillDepthOfField},
     };
     return table;
 }

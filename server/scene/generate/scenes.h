@@ -11,5 +11,6 @@ void fillGlass(SceneBuilder& builder);
 void fillCornell(SceneBuilder& builder);
 void fillSoftShadows(SceneBuilder& builder);
 void fillHardShadows(SceneBuilder& builder);
+void fillDepthOfField(SceneBuilder& builder);
 
 }  // namespace heliograph
