@@ -20,6 +20,7 @@ layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 #include "kernel/surface.glsl"
 #include "kernel/material.glsl"
 #include "kernel/effects/soft_shadows.glsl"
+#include "kernel/effects/fog.glsl"
 #include "kernel/effects/depth_of_field.glsl"
 #include "kernel/whitted.glsl"
 
@@ -35,11 +36,13 @@ void main() {
     Surface s = surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
     Shading m = shadingAt(s);
     vec3 wo = vec3(-path.direction.x, -path.direction.y, -path.direction.z);
-    vec3 throughput = path.throughput * mediumTransmittance(path.medium, s);
-    radiance += emittedRadiance(m, throughput);
+    vec3 throughput = arrivingThroughput(path, s);
+    radiance = withFog(radiance + emittedRadiance(m, throughput), path, s);
     ShadowRay shadow = lightRay(0u, s, m, wo, throughput);
     radiance += shadow.contribution * surfaceTransmittance(s, shadow.ray.direction);
     shadow = lightSampleRay(0u, allLightSamples() - 1u, 3u, pixel, path.salt, s, m, wo, throughput);
+    radiance += shadow.contribution;
+    shadow = pathFogRay(0u, fogRays() - 1u, 3u, pixel, path, airBefore(path, s) + airOfMiss(path));
     radiance += shadow.contribution;
     vec3 tangent;
     vec3 bitangent;

@@ -54,11 +54,13 @@ vec3 transmittance(Ray ray) {
     return vec3(0.0f);
 }
 
-// The rays to the lights, in order, then those into the hemisphere.
-void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, Surface s, Shading m, vec3 wo, vec3 throughput, vec3 ambient,
-                 bool occlusion, inout vec3 radiance) {
+// The rays to the lights, in order, then those into the hemisphere. A light's are those from the surface, if there is one, then
+// those from points of the path's way through `air` metres of fog.
+void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surface s, Shading m, vec3 wo, vec3 throughput,
+                 float air, vec3 ambient, bool occlusion, inout vec3 radiance) {
     uint lights = FRAME.lightCount;
-    if (HAS(EFFECT_SOFT_SHADOWS)) lights = allLightSamples();
+    if (HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG))
+        lights = (surface ? allLightSamples() : 0u) + FRAME.lightCount * fogRays();
     uint total = lights + (occlusion ? FRAME.aoSamples : 0u);
     uint light = 0u;
     uint raysOfLight = 0u;
@@ -70,10 +72,13 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, Surface s, Shading 
     for (uint i = 0u; i < total; i++) {
         ShadowRay r;
         if (i < lights) {
-            if (HAS(EFFECT_SOFT_SHADOWS)) {
-                r = lightSampleRay(light, raysOfLight, sampleIndex, pixel, p.salt, s, m, wo, throughput);
+            if (HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG)) {
+                uint own = surface ? lightSamples(light) : 0u;
+                if (!HAS(EFFECT_FOG) || raysOfLight < own)
+                    r = lightSampleRay(light, raysOfLight, sampleIndex, pixel, p.salt, s, m, wo, throughput);
+                else r = pathFogRay(light, raysOfLight - own, sampleIndex, pixel, p, air);
                 raysOfLight++;
-                if (raysOfLight == lightSamples(light)) {
+                if (raysOfLight == own + fogRays()) {
                     light++;
                     raysOfLight = 0u;
                 }
@@ -120,12 +125,18 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
         traverse(p.origin, p.direction, FLOAT_MAX, TRACE_CLOSEST, hit);
         if (hit.instance == NO_INDEX) {
             radiance = radiance + missRadiance(p);
+            if (HAS(EFFECT_FOG)) {
+                Surface none;
+                Shading nothing;
+                gatherLight(pixel, sampleIndex, p, false, none, nothing, vec3(0.0f), vec3(0.0f), airOfMiss(p), vec3(0.0f), false,
+                            radiance);
+            }
         } else {
             Surface s = surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hit);
             Shading m = shadingAt(s);
             vec3 wo = -p.direction;
-            vec3 throughput = p.throughput * mediumTransmittance(p.medium, s);
-            radiance = radiance + emittedRadiance(m, throughput);
+            vec3 throughput = arrivingThroughput(p, s);
+            radiance = withFog(radiance + emittedRadiance(m, throughput), p, s);
             vec3 ambient = ambientContribution(m, wo, throughput);
             bool occlusion = needsOcclusion(ambient);
             if (!occlusion) radiance = radiance + ambient;
@@ -136,7 +147,9 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
             if ((next & NEXT_REFLECTION) != 0u) stack[top++] = reflection;
             if ((next & NEXT_PASS) != 0u) stack[top++] = pass;
             if ((next & NEXT_REFRACTION) != 0u) stack[top++] = refraction;
-            gatherLight(pixel, sampleIndex, p, s, m, wo, throughput, ambient, occlusion, radiance);
+            float air = 0.0f;
+            if (HAS(EFFECT_FOG)) air = airBefore(p, s);
+            gatherLight(pixel, sampleIndex, p, true, s, m, wo, throughput, air, ambient, occlusion, radiance);
         }
         if (top == 0u) return radiance;
         p = stack[--top];

@@ -187,6 +187,7 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
             return material("no transmissive material", transmits);
         case EFFECT_AMBIENT_OCCLUSION:
         case EFFECT_DEPTH_OF_FIELD:
+        case EFFECT_FOG:
             if (usage.triangles == 0) return {false, "no triangles"};
             return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
         case EFFECT_ENVIRONMENT_IMAGE: return environmentIn(usage);
@@ -252,6 +253,7 @@ EffectSet allowedEffects(const Settings& settings) {
     // A radius of 0 darkens nothing, so no ray is spent on it.
     if (settings.aoRadius <= 0.0f) allowed.bits &= ~EFFECT_AMBIENT_OCCLUSION;
     if (!settings.shadows) allowed.bits &= ~EFFECT_SOFT_SHADOWS;
+    if (settings.fogDensity <= 0.0f) allowed.bits &= ~EFFECT_FOG;
     if (settings.aperture <= 0.0f) allowed.bits &= ~EFFECT_DEPTH_OF_FIELD;
     return allowed;
 }

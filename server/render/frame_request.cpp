@@ -1,5 +1,7 @@
 #include "server/render/frame_request.h"
 
+#include <algorithm>
+
 namespace heliograph {
 
 FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
@@ -9,6 +11,9 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.effects = request.effects.bits;
     constants.lightCount = static_cast<uint32_t>(scene.lights.size());
     constants.aoDistance = request.settings.aoRadius * scene.aoRadius;
+    constants.fogRadius = scene.bounds.radius();
+    constants.fogCenter = scene.bounds.empty() ? vec3(0.0f) : scene.bounds.center();
+    constants.fogSigma = request.settings.fogDensity / std::max(constants.fogRadius, 1e-20f);
     // One sequence for every request: pictures of the same view are equal, and so are films of two servers.
     constants.seed = 1;
 #define SETTING_BOOL(name, def, label, effect, price, help)

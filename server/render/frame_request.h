@@ -23,7 +23,7 @@ struct FrameRequest {
     std::shared_ptr<FrameHistory> history;
 };
 
-/// Fills the kernel's block. `scene` gives the light count and the AO radius.
+/// Fills the kernel's block. `scene` gives the light count, the AO radius and the ball of fog.
 FrameConstants frameConstants(const Scene& scene, const FrameRequest& request);
 
 }  // namespace heliograph

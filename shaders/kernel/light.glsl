@@ -6,6 +6,12 @@ struct LightSample {
     vec3 irradiance;  // on a surface that faces the light; 0 = not lit
 };
 
+// A ray to a light.
+struct ShadowRay {
+    Ray ray;
+    vec3 contribution;  // to the pixel if nothing is in the way; 0 = no ray is needed
+};
+
 // KHR_lights_punctual's falloff: inverse square with a smooth end at `range`; RayEngine's linear one on request.
 float lightFalloff(Light light, float distance) {
     if (light.falloff == FALLOFF_LINEAR) {

@@ -206,6 +206,10 @@ struct FrameConstants {
     uint lightCount;
     float aoDistance; // aoRadius setting times the scene's own radius, metres
     uint seed;
+    float fogSigma;   // extinction per metre: the fogDensity setting over the scene's radius
+    float fogRadius;  // metres; the fog is a ball about the scene
+    vec3 fogCenter;
+    float pad0;
 #define SETTING_BOOL(name, def, label, effect, price, help)
 #define SETTING_INT(name, def, low, high, unit, label, effect, price, help)
 #define SETTING_FLOAT(name, def, low, high, unit, label, effect, price, help)

@@ -54,7 +54,17 @@ PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
     return p;
 }
 
-vec3 missRadiance(IN(PathState) p) { return p.throughput * environmentRadiance(p.direction, p.coneSpread); }
+// How far a path that has met nothing goes through air.
+float airOfMiss(IN(PathState) p) { return SELECT(p.medium == 0u, FLOAT_MAX, 0.0f); }
+
+vec3 missRadiance(IN(PathState) p) {
+    vec3 radiance = environmentRadiance(p.direction, p.coneSpread);
+    if (HAS(EFFECT_FOG)) {
+        float air = airOfMiss(p);
+        radiance = radiance * fogTransmittance(p.origin, p.direction, air) + fogAmbient(p.origin, p.direction, air);
+    }
+    return p.throughput * radiance;
+}
 
 vec3 absorbed(uint material, float distance) {
     vec4 sigma = MATERIAL(material, absorption);
@@ -73,12 +83,26 @@ vec3 mediumTransmittance(uint medium, IN(Surface) s) {
     return one;
 }
 
-// ---- direct light ----
+// How far the path has come through air, not through a body; metres.
+float airBefore(IN(PathState) p, IN(Surface) s) {
+    bool inBody = p.medium != 0u || (s.side < 0.0f && (MATERIAL(s.material, flags) & MATERIAL_VOLUME) != 0u);
+    return SELECT(inBody, 0.0f, max(s.distance, 0.0f));
+}
 
-struct ShadowRay {
-    Ray ray;
-    vec3 contribution;  // to the pixel if nothing is in the way; 0 = no ray is needed
-};
+// What the path's way to the surface leaves of its weight.
+vec3 arrivingThroughput(IN(PathState) p, IN(Surface) s) {
+    vec3 left = p.throughput * mediumTransmittance(p.medium, s);
+    if (HAS(EFFECT_FOG)) left = left * fogTransmittance(p.origin, p.direction, airBefore(p, s));
+    return left;
+}
+
+// `radiance` and what the path's way to the surface adds to it without light rays.
+vec3 withFog(vec3 radiance, IN(PathState) p, IN(Surface) s) {
+    if (!HAS(EFFECT_FOG)) return radiance;
+    return radiance + p.throughput * fogAmbient(p.origin, p.direction, airBefore(p, s));
+}
+
+// ---- direct light ----
 
 ShadowRay shadowRayTo(IN(LightSample) light, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
     ShadowRay r;
@@ -89,6 +113,7 @@ ShadowRay shadowRayTo(IN(LightSample) light, IN(Surface) s, IN(Shading) m, vec3 
     r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal);
     r.ray.direction = light.direction;
     r.ray.tMax = SELECT(light.distance < FLOAT_MAX, light.distance * 0.9999f, FLOAT_MAX);
+    if (HAS(EFFECT_FOG)) r.contribution = r.contribution * fogTransmittance(r.ray.origin, light.direction, light.distance);
     return r;
 }
 
@@ -101,9 +126,10 @@ ShadowRay lightRay(UNIFORM_UINT index, IN(Surface) s, IN(Shading) m, vec3 wo, ve
 ShadowRay lightSampleRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt,
                          IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
     if (HAS(EFFECT_SOFT_SHADOWS)) {
-        if (hasExtent(index) != 0u)
-            return shadowRayTo(softLightAt(index, shadowPoint(sampleIndex, ray), shadowShift(pixel, salt, index), s.position),
-                               s, m, wo, throughput);
+        if (hasExtent(index) != 0u) {
+            LightSample light = softLightAt(index, shadowPoint(sampleIndex, ray), shadowShift(pixel, salt, index), s.position);
+            return shadowRayTo(light, s, m, wo, throughput * (1.0f / float(int(FRAME.shadowSamples))));
+        }
     }
     return lightRay(index, s, m, wo, throughput);
 }
@@ -126,6 +152,11 @@ vec3 surfaceTransmittance(IN(Surface) s, vec3 direction) {
         through = SELECT(leaves, through * absorbed(s.material, max(s.distance, 0.0f)), through);
     }
     return through;
+}
+
+// Ray `ray` of fogRays() from the path's way through `air` metres of air to a light.
+ShadowRay pathFogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, IN(PathState) p, float air) {
+    return fogRay(index, ray, sampleIndex, pixel, p.salt, p.origin, p.direction, p.throughput, air);
 }
 
 // ---- ambient light ----

@@ -35,7 +35,7 @@ ImageData plainImage(uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha = 2
 }
 
 TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
-    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField"}))
+    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog"}))
         << "the last ones are the viewer's choice";
 }
 
@@ -183,6 +183,11 @@ TEST(EffectSet, SettingsAllowWhatTheySwitch) {
     EXPECT_TRUE(allowedEffects(settings).has(EFFECT_DEPTH_OF_FIELD));
     settings.aperture = 0.0f;
     EXPECT_FALSE(allowedEffects(settings).has(EFFECT_DEPTH_OF_FIELD)) << "a pinhole";
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_FOG));
+    settings.fog = true;
+    EXPECT_TRUE(allowedEffects(settings).has(EFFECT_FOG));
+    settings.fogDensity = 0.0f;
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_FOG)) << "clear air";
 }
 
 }  // namespace

@@ -215,20 +215,32 @@ private:
             Group g = Group::of(arena_.misses + first, missCount_ - first);
             g.store(arena_.radiance, g.load(arena_.radiance) + kernel_.missRadiance(loadPath(g)));
         }
+        if (kernel_.fogRays() == 0) return;
+        shadeRuns(missCount_, [&](uint32_t i, uint32_t end) {
+            const Group g = Group::of(arena_.misses + i, end - i);
+            Path path = loadPath(g);
+            for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) pushFog(l, g, path, kernel_.airOfMiss(path));
+        });
     }
 
     void shadeHits() {
+        shadeRuns(hitCount_, [&](uint32_t i, uint32_t end) { shadeGroup(Group::of(arena_.hits + i, end - i)); });
+    }
+
+    // Calls `shade(i, end)` for `count` points, LANES at a time, and traces the light and occlusion rays that it pushes. Many
+    // light rays a point take the points in smaller runs, so that the queues stay small.
+    template <typename Shade>
+    HELIOGRAPH_INLINE void shadeRuns(uint32_t count, const Shade& shade) {
         uint32_t lights = kernel_.frame.lightCount;
-        // Many lights take the points in smaller runs, so that the queues stay small.
-        uint32_t rays = kernel_.allLightSamples();
+        uint32_t rays = kernel_.allLightSamples() + lights * kernel_.fogRays();
         uint32_t run = rays > 8 ? lesser(BLOCK_LANES, (8192u / rays + PACKET) / PACKET * PACKET) : BLOCK_LANES;
         for (uint32_t l = 0; l < lights; l++)
-            arena_.shadows.data[l]->reserve(lesser(run, hitCount_) * kernel_.lightSamples(l));
-        for (uint32_t first = 0; first < hitCount_; first += run) {
-            uint32_t end = lesser(first + run, hitCount_);
+            arena_.shadows.data[l]->reserve(lesser(run, count) * (kernel_.lightSamples(l) + kernel_.fogRays()));
+        for (uint32_t first = 0; first < count; first += run) {
+            uint32_t end = lesser(first + run, count);
             for (uint32_t l = 0; l < lights; l++) arena_.shadows.data[l]->count = 0;
             arena_.occlusionCount = 0;
-            for (uint32_t i = first; i < end; i += LANES) shadeGroup(Group::of(arena_.hits + i, end - i));
+            for (uint32_t i = first; i < end; i += LANES) shade(i, end);
             for (uint32_t l = 0; l < lights; l++) traceShadows(*arena_.shadows.data[l]);
             traceOcclusion();
         }
@@ -243,8 +255,8 @@ private:
         Surface s = kernel_.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
         Shading m = kernel_.shadingAt(s);
         Vec3 wo = -path.direction;
-        Vec3 throughput = path.throughput * kernel_.mediumTransmittance(path.medium, s);
-        Vec3 radiance = g.load(arena_.radiance) + kernel_.emittedRadiance(m, throughput);
+        Vec3 throughput = kernel_.arrivingThroughput(path, s);
+        Vec3 radiance = kernel_.withFog(g.load(arena_.radiance) + kernel_.emittedRadiance(m, throughput), path, s);
         Vec3 ambient = kernel_.ambientContribution(m, wo, throughput);
         Bool occlusion = kernel_.needsOcclusion(ambient);
         radiance = select(occlusion, radiance, radiance + ambient);
@@ -252,9 +264,18 @@ private:
         pushNext(g, path, s, m, throughput, radiance);
         g.store(arena_.radiance, radiance);
         Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
-        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++)
+        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
             for (uint32_t i = 0; i < kernel_.lightSamples(l); i++)
                 pushShadow(l, g, kernel_.lightSampleRay(l, i, sample_, pixel, path.salt, s, m, wo, throughput));
+            if (kernel_.fogRays() > 0) pushFog(l, g, path, kernel_.airBefore(path, s));
+        }
+    }
+
+    // Rays to a light from points of the paths' way through `air` metres of fog.
+    void pushFog(uint32_t light, const Group& g, const Path& path, Float air) {
+        Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
+        for (uint32_t i = 0; i < kernel_.fogRays(); i++)
+            pushShadow(light, g, kernel_.pathFogRay(light, i, sample_, pixel, path, air));
     }
 
     HELIOGRAPH_INLINE void pushNext(const Group& g, const Path& path, const Surface& s, const Shading& m, Vec3 throughput,

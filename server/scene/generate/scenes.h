@@ -12,5 +12,6 @@ void fillCornell(SceneBuilder& builder);
 void fillSoftShadows(SceneBuilder& builder);
 void fillHardShadows(SceneBuilder& builder);
 void fillDepthOfField(SceneBuilder& builder);
+void fillFog(SceneBuilder& builder);
 
 }  // namespace heliograph

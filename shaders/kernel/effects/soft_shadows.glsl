@@ -93,7 +93,7 @@ LightSample ballLightAt(Light light, float u, float v, vec3 point) {
     return result;
 }
 
-// One of the light's points as seen from `point`, with its share of the irradiance.
+// One of the light's points as seen from `point`, with the irradiance that the whole light would give if all were like it.
 LightSample softLightAt(UNIFORM_UINT index, uvec2 number, uint shift, vec3 point) {
     Light light = LIGHT(index);
     float u = unitFloat(number.x ^ shift);
@@ -102,6 +102,13 @@ LightSample softLightAt(UNIFORM_UINT index, uvec2 number, uint shift, vec3 point
     if (light.type == LIGHT_QUAD) result = quadLightAt(light, u, v, point);
     else if (light.type == LIGHT_DIRECTIONAL) result = sunAt(light, u, v);
     else result = ballLightAt(light, u, v, point);
-    result.irradiance = result.irradiance * (1.0f / float(int(FRAME.shadowSamples)));
     return result;
+}
+
+// The same for any light; one without an extent as it is.
+LightSample anyLightAt(UNIFORM_UINT index, uvec2 number, uint shift, vec3 point) {
+    if (HAS(EFFECT_SOFT_SHADOWS)) {
+        if (hasExtent(index) != 0u) return softLightAt(index, number, shift, point);
+    }
+    return lightAt(index, point);
 }

@@ -1,0 +1,92 @@
+// Fog: a homogeneous medium in a ball about the scene. It dims what is seen through it (Beer-Lambert), takes part of the
+// light on its way to surfaces, and scatters light towards the viewer once, alike in all directions. Points on a ray are
+// chosen by the angle under which the light sees them (Kulla & Fajardo, "Importance Sampling Techniques for Path Tracing in
+// Participating Media", 2012), or by what gets through where the light has no place. Left out: light scattered twice.
+
+UINT_CONSTANT(FOG_SALT, 0x666f6721u)
+
+// Where the way from `origin` along `direction` enters the fog (x) and how far it goes in it (y), metres, up to `distance`.
+vec2 fogSpan(vec3 origin, vec3 direction, float distance) {
+    vec3 o = origin - FRAME.fogCenter;
+    float b = dot(o, direction);
+    float radicand = b * b - (dot(o, o) - FRAME.fogRadius * FRAME.fogRadius);
+    float half_ = sqrt(max(radicand, 0.0f));
+    float begin = max(-b - half_, 0.0f);
+    float end = min(half_ - b, distance);
+    return vec2(begin, SELECT(radicand > 0.0f, max(end - begin, 0.0f), 0.0f));
+}
+
+// Share of the light that is left after that way.
+float fogTransmittance(vec3 origin, vec3 direction, float distance) {
+    return expKernel(-FRAME.fogSigma * fogSpan(origin, direction, distance).y);
+}
+
+// Ambient light that the fog adds on that way.
+vec3 fogAmbient(vec3 origin, vec3 direction, float distance) {
+    vec3 around = vec3(ENVIRONMENT.color.x, ENVIRONMENT.color.y, ENVIRONMENT.color.z);
+    return around * (FRAME.fogAlbedo * (1.0f - fogTransmittance(origin, direction, distance)));
+}
+
+// Rays that go to each light from points of a path's way.
+UNIFORM_UINT fogRays() {
+    if (HAS(EFFECT_FOG)) return FRAME.fogSamples;
+    return 0u;
+}
+
+// A point on a way of length `way`: how far along, and what the fog scatters from there to its beginning per unit irradiance.
+struct FogPoint {
+    float along;
+    float weight;
+};
+
+// By what gets through: the density of points follows exp(-sigma t).
+FogPoint fogPointByDepth(float way, float u) {
+    FogPoint r;
+    float swallowed = 1.0f - expKernel(-FRAME.fogSigma * way);
+    r.along = min(-logKernel(1.0f - u * swallowed) * (1.0f / FRAME.fogSigma), way);
+    r.weight = swallowed * (FRAME.fogAlbedo * (0.25f * INV_PI));
+    return r;
+}
+
+// By angle: `toLight` is the light's place as seen from where the way begins.
+FogPoint fogPointByAngle(vec3 direction, vec3 toLight, float way, float u) {
+    FogPoint r;
+    float nearest = dot(toLight, direction);
+    vec3 off = toLight - direction * nearest;
+    float d = max(sqrt(dot(off, off)), 1.0e-5f);
+    float low = atan2Kernel(-nearest, d);
+    float high = atan2Kernel(way - nearest, d);
+    float turn = (low + (high - low) * u) * (0.5f * INV_PI);
+    float sine;
+    float cosine;
+    sinCosTurn(SELECT(turn < 0.0f, turn + 1.0f, turn), sine, cosine);
+    r.along = min(max(nearest + d * (sine / max(cosine, 1.0e-6f)), 0.0f), way);
+    float beside = r.along - nearest;
+    float density = (high - low) * (d * d + beside * beside) * (1.0f / d);
+    r.weight = density * expKernel(-FRAME.fogSigma * r.along) * (FRAME.fogSigma * FRAME.fogAlbedo * (0.25f * INV_PI));
+    return r;
+}
+
+// Ray `ray` of fogRays() from the way of a path to a light, with what it brings to the pixel.
+ShadowRay fogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt, vec3 origin,
+                 vec3 direction, vec3 throughput, float distance) {
+    Light light = LIGHT(index);
+    uint shift = hashPixel(pixel, hashUint(salt + FOG_SALT + index * 0x9e3779b9u) + FRAME.seed);
+    uvec2 number = SOBOL((sampleIndex * FRAME.fogSamples + ray) & (SOBOL_COUNT - 1u));
+    float u = unitFloat(number.x ^ shift);
+    vec2 span = fogSpan(origin, direction, distance);
+    vec3 from = origin + direction * span.x;
+    FogPoint point;
+    if (light.falloff == FALLOFF_LINEAR || light.type == LIGHT_DIRECTIONAL || light.type == LIGHT_HEADLIGHT)
+        point = fogPointByDepth(span.y, u);
+    else point = fogPointByAngle(direction, light.position - from, span.y, u);
+    ShadowRay r;
+    r.ray.origin = from + direction * point.along;
+    LightSample sample_ = anyLightAt(index, number, hashUint(shift), r.ray.origin);
+    float through = fogTransmittance(r.ray.origin, sample_.direction, sample_.distance);
+    float share = SELECT(span.y > 0.0f, through * point.weight * (1.0f / float(int(FRAME.fogSamples))), 0.0f);
+    r.contribution = throughput * sample_.irradiance * share;
+    r.ray.direction = sample_.direction;
+    r.ray.tMax = SELECT(sample_.distance < FLOAT_MAX, sample_.distance * 0.9999f, FLOAT_MAX);
+    return r;
+}
