@@ -22,6 +22,7 @@ layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 #include "kernel/effects/soft_shadows.glsl"
 #include "kernel/effects/fog.glsl"
 #include "kernel/effects/depth_of_field.glsl"
+#include "kernel/effects/glossy_reflections.glsl"
 #include "kernel/whitted.glsl"
 
 layout(std430, set = 0, binding = 20) writeonly buffer Output { vec4 results[]; };
@@ -36,6 +37,7 @@ void main() {
     Surface s = surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
     Shading m = shadingAt(s);
     vec3 wo = vec3(-path.direction.x, -path.direction.y, -path.direction.z);
+    m.facet = reflectingNormal(pixel, 3u, path.salt, m, wo);
     vec3 throughput = arrivingThroughput(path, s);
     radiance = withFog(radiance + emittedRadiance(m, throughput), path, s);
     ShadowRay shadow = lightRay(0u, s, m, wo, throughput);

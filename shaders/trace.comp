@@ -135,6 +135,7 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
             Surface s = surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hit);
             Shading m = shadingAt(s);
             vec3 wo = -p.direction;
+            m.facet = reflectingNormal(pixel, sampleIndex, p.salt, m, wo);
             vec3 throughput = arrivingThroughput(p, s);
             radiance = withFog(radiance + emittedRadiance(m, throughput), p, s);
             vec3 ambient = ambientContribution(m, wo, throughput);

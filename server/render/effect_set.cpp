@@ -122,6 +122,11 @@ bool reflects(const Scene& scene, const Material& m) {
     return (metal || dielectric) && leastRoughness(scene, m) < 0.4f;
 }
 
+/// Whether it reflects blurred: neither a mirror nor too rough to be followed.
+bool glossy(const Scene& scene, const Material& m) {
+    return !phong(m) && !transmits(m) && m.roughness > 0.0f && reflects(scene, m);
+}
+
 Finding shadowsIn(const Usage& usage) {
     const Scene& scene = usage.scene;
     if (scene.lights.empty()) return {false, "no light"};
@@ -214,6 +219,8 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
         case EFFECT_SECOND_UV:
             return material("every texture uses the first coordinates", [&](const Material& m) { return usesSecondUv(usage.scene, m); });
         case EFFECT_SOFT_SHADOWS: return softShadowsIn(usage);
+        case EFFECT_GLOSSY_REFLECTIONS:
+            return material("no surface between smooth and rough", [&](const Material& m) { return glossy(usage.scene, m); });
         default: break;
     }
     // A row added to the table without a rule here is on: never a wrong picture, and the reason says what to do.
@@ -252,6 +259,7 @@ EffectSet allowedEffects(const Settings& settings) {
 #undef EFFECT
     // A radius of 0 darkens nothing, so no ray is spent on it.
     if (settings.aoRadius <= 0.0f) allowed.bits &= ~EFFECT_AMBIENT_OCCLUSION;
+    if (!settings.reflections) allowed.bits &= ~EFFECT_GLOSSY_REFLECTIONS;
     if (!settings.shadows) allowed.bits &= ~EFFECT_SOFT_SHADOWS;
     if (settings.fogDensity <= 0.0f) allowed.bits &= ~EFFECT_FOG;
     if (settings.aperture <= 0.0f) allowed.bits &= ~EFFECT_DEPTH_OF_FIELD;

@@ -13,6 +13,7 @@ struct Shading {
     float mirror;       // Phong: constant reflectance
     float ior;
     uint flags;         // MATERIAL_*
+    vec3 facet;         // unit, about which it reflects: the normal, or what reflectingNormal chooses
 };
 
 // Slope of a height image: three heights one texel apart; y runs against v, as in normal maps. Blinn, "Simulation of Wrinkled Surfaces" (1978).
@@ -144,6 +145,7 @@ Shading shadingAt(IN(Surface) s) {
         r.exponent = SELECT(unlit, 0.0f, r.exponent);
         r.flags = SELECT(unlit, r.flags | MATERIAL_PHONG, r.flags);  // the model that adds no Fresnel reflection
     }
+    r.facet = r.normal;
     return r;
 }
 

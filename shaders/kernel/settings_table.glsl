@@ -18,6 +18,7 @@ SETTING_BOOL(softShadows, true, "Soft shadows", "softShadows", "on", "Lights tha
 SETTING_K_INT(shadowSamples, 4, 1, 256, "rays", "Shadow samples", "softShadows", "up", "Rays per light with an extent, visible point and sample. More rays, less grain in half shadows.")
 SETTING_BOOL(reflections, true, "Reflections", "reflections", "on", "Mirror reflections on metals, glass and polished floors.")
 SETTING_K_INT(maxReflections, 1, 0, 31, "bounces", "Max reflections", "reflections", "up", "How many reflections in a row are followed. The rest is estimated from the environment.")
+SETTING_BOOL(glossyReflections, false, "Glossy reflections", "glossyReflections", "on", "Blurs reflections on surfaces that are not quite smooth. Costs no more rays, but takes samples to become smooth.")
 SETTING_BOOL(refractions, true, "Refractions", "refractions", "on", "Light that passes through glass is bent and tinted.")
 SETTING_K_INT(maxRefractions, 8, 0, 31, "bounces", "Max refractions", "refractions", "up", "How many refracting surfaces in a row are followed. The rest is estimated from the environment.")
 SETTING_BOOL(ambientOcclusion, false, "Ambient occlusion", "ambientOcclusion", "on", "Corners and contacts get less ambient light.")

@@ -236,7 +236,7 @@ vec3 estimatedRadiance(vec3 direction, float spread, vec3 weight) {
 // Adds one mirror ray, or its estimate where the depth, the threshold or the settings end it.
 uint followReflection(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
     float share = maxComponent(weight);
-    vec3 direction = p.direction - m.normal * (2.0f * dot(m.normal, p.direction));
+    vec3 direction = p.direction - m.facet * (2.0f * dot(m.facet, p.direction));
     float above = dot(direction, s.geometricNormal);  // must stay outside
     direction = SELECT(above > 0.0f, direction, normalize3(direction + s.geometricNormal * (0.01f - above)));
     bool follow = HAS(EFFECT_REFLECTIONS) && reflectionDepth(p.depth) < FRAME.maxReflections
@@ -309,7 +309,10 @@ Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
         r.transmitted = SELECT(clear, m.transmission * (1.0f - f), 0.0f);
     }
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
-    vec3 smooth_ = fresnelSchlick(m.f0, r.cosI) * (traceableShare(m.roughness) * (1.0f - m.transmission));
+    float followed = traceableShare(m.roughness) * (1.0f - m.transmission);
+    vec3 smooth_ = fresnelSchlick(m.f0, r.cosI) * followed;
+    if (HAS(EFFECT_GLOSSY_REFLECTIONS))
+        smooth_ = fresnelSchlick(m.f0, saturate(-dot(m.facet, p.direction))) * (followed * facetShare(m, -p.direction));
     r.reflected = SELECT(phong, r.reflected, r.reflected + smooth_);
     return r;
 }

@@ -67,6 +67,20 @@ TEST(EffectSet, ReflectionsComeFromSmoothMirrorsAndGlass) {
     EXPECT_FALSE(calls(unlit, EFFECT_REFLECTIONS));
 }
 
+TEST(EffectSet, GlossyIsWhatIsNeitherAMirrorNorRough) {
+    const auto metal = [](float roughness) { return [roughness](Material& m) { m.metallic = 1.0f; m.roughness = roughness; }; };
+    EXPECT_FALSE(calls(metal(0.0f), EFFECT_GLOSSY_REFLECTIONS));
+    EXPECT_TRUE(calls(metal(0.1f), EFFECT_GLOSSY_REFLECTIONS));
+    EXPECT_FALSE(calls(metal(0.4f), EFFECT_GLOSSY_REFLECTIONS));
+    EXPECT_FALSE(calls([](Material& m) { m.transmission = 1.0f; m.roughness = 0.1f; }, EFFECT_GLOSSY_REFLECTIONS)) << "rough glass";
+    Settings settings;
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_GLOSSY_REFLECTIONS));
+    settings.glossyReflections = true;
+    EXPECT_TRUE(allowedEffects(settings).has(EFFECT_GLOSSY_REFLECTIONS));
+    settings.reflections = false;
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_GLOSSY_REFLECTIONS));
+}
+
 TEST(EffectSet, RoughnessTexturesAreLookedInto) {
     auto withRoughness = [](uint8_t green) {
         SceneBuilder builder = litBuilder();

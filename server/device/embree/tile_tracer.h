@@ -255,6 +255,8 @@ private:
         Surface s = kernel_.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
         Shading m = kernel_.shadingAt(s);
         Vec3 wo = -path.direction;
+        Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
+        m.facet = kernel_.reflectingNormal(pixel, sample_, path.salt, m, wo);
         Vec3 throughput = kernel_.arrivingThroughput(path, s);
         Vec3 radiance = kernel_.withFog(g.load(arena_.radiance) + kernel_.emittedRadiance(m, throughput), path, s);
         Vec3 ambient = kernel_.ambientContribution(m, wo, throughput);
@@ -263,7 +265,6 @@ private:
         if (uint32_t bits = laneBits(occlusion) & g.mask()) pushOcclusion(g, bits, path, s, m, ambient);
         pushNext(g, path, s, m, throughput, radiance);
         g.store(arena_.radiance, radiance);
-        Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
         for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
             for (uint32_t i = 0; i < kernel_.lightSamples(l); i++)
                 pushShadow(l, g, kernel_.lightSampleRay(l, i, sample_, pixel, path.salt, s, m, wo, throughput));

@@ -13,5 +13,6 @@ void fillSoftShadows(SceneBuilder& builder);
 void fillHardShadows(SceneBuilder& builder);
 void fillDepthOfField(SceneBuilder& builder);
 void fillFog(SceneBuilder& builder);
+void fillGlossy(SceneBuilder& builder);
 
 }  // namespace heliograph
