@@ -21,6 +21,7 @@ layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 #include "kernel/material.glsl"
 #include "kernel/effects/soft_shadows.glsl"
 #include "kernel/effects/fog.glsl"
+#include "kernel/effects/motion_blur.glsl"
 #include "kernel/effects/depth_of_field.glsl"
 #include "kernel/effects/glossy_reflections.glsl"
 #include "kernel/whitted.glsl"

@@ -113,6 +113,8 @@ int runRender(const RenderOptions& options, std::ostream& out) {
         scene = openScene(options.scene, options.environment, bar.progress());
         result.ms.load = watch.milliseconds();
         const Camera camera = chosenCamera(*scene, options.camera, given);
+        std::optional<Camera> previous;
+        if (!options.previousCamera.empty()) previous = chosenCamera(*scene, options.previousCamera, given);
 
         watch.restart();
         std::unique_ptr<Device> device = makeDevice(given.settings);
@@ -121,6 +123,7 @@ int runRender(const RenderOptions& options, std::ostream& out) {
 
         result.request = frameRequest(*scene, camera, given.settings, resolution, 1);
         result.request.history = std::make_shared<FrameHistory>();
+        result.request.previousCamera = previous;
         result.stats = renderFrame(*device, result.request, given.settings.samples, film, {}, bar.progress());
         result.ms.render = result.stats.milliseconds;
         result.scene = scene->name;
@@ -143,6 +146,9 @@ void addRenderCommand(CLI::App& app, std::function<int()>& run) {
         ->required();
     command->add_option("--samples", options->samples, "Samples per pixel, 1 to 65536; without it 16")->type_name("N");
     addCameraOption(*command, *options);
+    command->add_option("--previous-camera", options->previousCamera,
+                        "The scene's camera at which it was a frame ago, for motionBlur; without it the camera rests")
+        ->type_name("NAME");
     addRenderOptions(*command, *options);
     addJsonOption(*command, *options);
     command->footer("Examples:\n"

@@ -11,6 +11,7 @@ namespace heliograph {
 
 struct RenderOptions : SceneOptions {
     std::string out;                 // F.png, F.exr or F.jpg
+    std::string previousCamera;      // where the camera was a frame ago, for motion blur; empty: it rests
     std::optional<int64_t> samples;  // per pixel; without it the setting's if it was named, else 16
 };
 

@@ -193,6 +193,7 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
         case EFFECT_AMBIENT_OCCLUSION:
         case EFFECT_DEPTH_OF_FIELD:
         case EFFECT_FOG:
+        case EFFECT_MOTION_BLUR:
             if (usage.triangles == 0) return {false, "no triangles"};
             return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
         case EFFECT_ENVIRONMENT_IMAGE: return environmentIn(usage);
@@ -262,6 +263,7 @@ EffectSet allowedEffects(const Settings& settings) {
     if (!settings.reflections) allowed.bits &= ~EFFECT_GLOSSY_REFLECTIONS;
     if (!settings.shadows) allowed.bits &= ~EFFECT_SOFT_SHADOWS;
     if (settings.fogDensity <= 0.0f) allowed.bits &= ~EFFECT_FOG;
+    if (settings.shutter <= 0.0f) allowed.bits &= ~EFFECT_MOTION_BLUR;
     if (settings.aperture <= 0.0f) allowed.bits &= ~EFFECT_DEPTH_OF_FIELD;
     return allowed;
 }

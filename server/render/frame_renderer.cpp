@@ -50,7 +50,7 @@ FrameStats renderFrame(Device& device, const FrameRequest& request, uint32_t sam
 FrameRequest frameRequest(const Scene& scene, const Camera& camera, const Settings& settings, uvec2 resolution,
                           uint32_t generation) {
     EffectSet effects{effectsOf(scene).bits & allowedEffects(settings).bits};
-    return {checkedCamera(camera), settings, effects, resolution, generation, nullptr};
+    return {checkedCamera(camera), settings, effects, resolution, generation, std::nullopt, nullptr};
 }
 
 }  // namespace heliograph

@@ -11,6 +11,7 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.effects = request.effects.bits;
     constants.lightCount = static_cast<uint32_t>(scene.lights.size());
     constants.aoDistance = request.settings.aoRadius * scene.aoRadius;
+    constants.cameraBefore = kernelCamera(request.previousCamera.value_or(request.camera), request.resolution);
     constants.fogRadius = scene.bounds.radius();
     constants.fogCenter = scene.bounds.empty() ? vec3(0.0f) : scene.bounds.center();
     constants.fogSigma = request.settings.fogDensity / std::max(constants.fogRadius, 1e-20f);

@@ -7,6 +7,7 @@
 #include "server/render/settings.h"
 
 #include <memory>
+#include <optional>
 
 namespace heliograph {
 
@@ -18,6 +19,7 @@ struct FrameRequest {
     EffectSet effects;        // effectsOf(scene) & allowedEffects(settings)
     uvec2 resolution{0, 0};
     uint32_t generation = 0;  // grows with each new request of a viewer
+    std::optional<Camera> previousCamera;  // a frame ago, for motion blur; none: the camera rests
     /// What frames of this viewer have cost so far (frame_history.h), for devices that distribute tiles; may be null. Of one
     /// frame at a time.
     std::shared_ptr<FrameHistory> history;

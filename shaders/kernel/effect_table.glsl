@@ -20,3 +20,4 @@ EFFECT(16, EFFECT_SOFT_SHADOWS, "softShadows", "softShadows", "Lights with an ex
 EFFECT(17, EFFECT_DEPTH_OF_FIELD, "depthOfField", "depthOfField", "What is not at the focus distance is blurred, as by a lens.")
 EFFECT(18, EFFECT_FOG, "fog", "fog", "The air dims what is far and shows the light that falls through it.")
 EFFECT(19, EFFECT_GLOSSY_REFLECTIONS, "glossyReflections", "glossyReflections", "Surfaces between smooth and rough reflect blurred.")
+EFFECT(20, EFFECT_MOTION_BLUR, "motionBlur", "motionBlur", "A moving camera blurs the picture along its way.")

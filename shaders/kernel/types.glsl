@@ -210,6 +210,7 @@ struct FrameConstants {
     float fogRadius;  // metres; the fog is a ball about the scene
     vec3 fogCenter;
     float pad0;
+    KernelCamera cameraBefore;  // a frame ago; the same as `camera` where nothing moves
 #define SETTING_BOOL(name, def, label, effect, price, help)
 #define SETTING_INT(name, def, low, high, unit, label, effect, price, help)
 #define SETTING_FLOAT(name, def, low, high, unit, label, effect, price, help)

@@ -39,6 +39,7 @@ PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
     PathState p;
     vec2 jitter = pixelJitter(sampleIndex);
     CameraPose camera = cameraAtRest();
+    if (HAS(EFFECT_MOTION_BLUR)) camera = cameraInMotion(pixel, sampleIndex);
     p.origin = camera.origin;
     p.direction = directionFrom(camera, float(int(pixel.x)) + jitter.x, float(int(pixel.y)) + jitter.y);
     if (HAS(EFFECT_DEPTH_OF_FIELD)) throughLens(camera, pixel, sampleIndex, p.origin, p.direction);

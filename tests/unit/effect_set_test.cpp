@@ -35,7 +35,7 @@ ImageData plainImage(uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha = 2
 }
 
 TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
-    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog"}))
+    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog", "motionBlur"}))
         << "the last ones are the viewer's choice";
 }
 
@@ -202,6 +202,11 @@ TEST(EffectSet, SettingsAllowWhatTheySwitch) {
     EXPECT_TRUE(allowedEffects(settings).has(EFFECT_FOG));
     settings.fogDensity = 0.0f;
     EXPECT_FALSE(allowedEffects(settings).has(EFFECT_FOG)) << "clear air";
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_MOTION_BLUR));
+    settings.motionBlur = true;
+    EXPECT_TRUE(allowedEffects(settings).has(EFFECT_MOTION_BLUR));
+    settings.shutter = 0.0f;
+    EXPECT_FALSE(allowedEffects(settings).has(EFFECT_MOTION_BLUR)) << "no time to move";
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ const std::vector<Entry>& entries() {
         {{"effects/depth-of-field", "Balls in a row towards small lamps, for a lens to blur"}, fillDepthOfField},
         {{"effects/fog", "A lamp behind a row of columns, for fog to show its light"}, fillFog},
         {{"effects/glossy", "Metal plates from smooth to rough that reflect glowing bars"}, fillGlossy},
+        {{"effects/motion-blur", "Posts and balls for a camera to fly past"}, fillMotionBlur},
     };
     return table;
 }

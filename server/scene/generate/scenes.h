@@ -14,5 +14,6 @@ void fillHardShadows(SceneBuilder& builder);
 void fillDepthOfField(SceneBuilder& builder);
 void fillFog(SceneBuilder& builder);
 void fillGlossy(SceneBuilder& builder);
+void fillMotionBlur(SceneBuilder& builder);
 
 }  // namespace heliograph
