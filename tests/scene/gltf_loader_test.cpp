@@ -44,6 +44,21 @@ TEST(GltfLoader, ReadsTextAndBinary) {
     EXPECT_EQ(text->bounds.high, vec3(1, 1, 0));
 }
 
+// KHR_lights_punctual has points alone; an extent is an extra of ours.
+TEST(GltfLoader, ReadsTheRadiusOfALightFromItsExtras) {
+    const auto lightOf = [](const std::string& extras) {
+        std::string json = triangleJson(dataUri(triangleBytes()), R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5)" + extras + "}]}}");
+        const std::string node = R"("nodes":[{"mesh":0}])";
+        json.replace(json.find(node), node.size(), R"("nodes":[{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}}])");
+        return openText(json)->lights.at(0);
+    };
+    EXPECT_EQ(lightOf("").radius, 0.0f);
+    EXPECT_EQ(lightOf(R"(,"extras":{"radius":0.25})").radius, 0.25f);
+    EXPECT_EQ(lightOf(R"(,"extras":{"radius":-1})").radius, 0.0f);
+    EXPECT_EQ(lightOf(R"(,"extras":{"radius":"wide"})").radius, 0.0f);
+    EXPECT_EQ(lightOf(R"(,"extras":"wide")").radius, 0.0f);
+}
+
 TEST(GltfLoader, NeverLeavesItsFolder) {
     const ScratchFolder outer;
     outer.write("secret.bin", triangleBytes());
