@@ -4,8 +4,10 @@
 // stack, so that contributions are summed in the same order everywhere:
 //
 //   startSample -> trace -> missRadiance
-//                         | surfaceAt, shadingAt -> emission, ambient that needs no rays, nextRays with their estimates,
+//                         | surfaceAt, shadingAt -> emission, fog, ambient that needs no rays, nextRays with their estimates,
 //                           then each light in order, then ambient that needs rays -> pop
+//
+// A light's rays are those of its samples from the surface, then those from points in the fog; a miss has the latter alone.
 
 UINT_CONSTANT(RAY_PRIMARY, 0u)
 UINT_CONSTANT(RAY_REFLECTION, 1u)
