@@ -34,7 +34,9 @@ void main() {
     vec3 bitangent;
     orthonormalBasis(m.normal, tangent, bitangent);
     vec3 d = occlusionDirection(SOBOL(occlusionNumber(3u, 1u)), occlusionShift(pixel, path.salt), m.normal, s.geometricNormal, tangent, bitangent);
-    radiance += ambientContribution(m, wo, throughput) * occlusionVisibility(isCutOut(s) || needsOcclusion(radiance) ? 1u : 2u) * d;
+    PathState indirect;
+    uint more = indirectRay(pixel, 3u, path, s, m, wo, throughput, indirect);
+    radiance += indirect.direction + ambientBeside(more, m, wo, throughput) * occlusionVisibility(isCutOut(s) || needsOcclusion(radiance) ? 1u : 2u) * d;
     PathState reflection;
     PathState refraction;
     PathState pass;

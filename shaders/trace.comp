@@ -138,13 +138,16 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
             m.facet = reflectingNormal(pixel, sampleIndex, p.salt, m, wo);
             vec3 throughput = arrivingThroughput(p, s);
             radiance = withFog(radiance + emittedRadiance(m, throughput), p, s);
-            vec3 ambient = ambientContribution(m, wo, throughput);
-            bool occlusion = needsOcclusion(ambient);
+            PathState indirect;
+            uint more = indirectRay(pixel, sampleIndex, p, s, m, wo, throughput, indirect);
+            vec3 ambient = ambientBeside(more, m, wo, throughput);
+            bool occlusion = needsOcclusion(ambient) && more == 0u;
             if (!occlusion) radiance = radiance + ambient;
             PathState reflection;
             PathState refraction;
             PathState pass;
             uint next = nextRays(p, s, m, throughput, reflection, refraction, pass, radiance);
+            if (more != 0u) stack[top++] = indirect;
             if ((next & NEXT_REFLECTION) != 0u) stack[top++] = reflection;
             if ((next & NEXT_PASS) != 0u) stack[top++] = pass;
             if ((next & NEXT_REFRACTION) != 0u) stack[top++] = refraction;

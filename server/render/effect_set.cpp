@@ -194,6 +194,7 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
         case EFFECT_DEPTH_OF_FIELD:
         case EFFECT_FOG:
         case EFFECT_MOTION_BLUR:
+        case EFFECT_INDIRECT_LIGHT:
             if (usage.triangles == 0) return {false, "no triangles"};
             return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
         case EFFECT_ENVIRONMENT_IMAGE: return environmentIn(usage);

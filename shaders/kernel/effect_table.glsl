@@ -21,3 +21,4 @@ EFFECT(17, EFFECT_DEPTH_OF_FIELD, "depthOfField", "depthOfField", "What is not a
 EFFECT(18, EFFECT_FOG, "fog", "fog", "The air dims what is far and shows the light that falls through it.")
 EFFECT(19, EFFECT_GLOSSY_REFLECTIONS, "glossyReflections", "glossyReflections", "Surfaces between smooth and rough reflect blurred.")
 EFFECT(20, EFFECT_MOTION_BLUR, "motionBlur", "motionBlur", "A moving camera blurs the picture along its way.")
+EFFECT(21, EFFECT_INDIRECT_LIGHT, "indirectLight", "indirectLight", "Surfaces light each other: one bounce instead of the ambient light.")

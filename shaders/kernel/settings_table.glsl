@@ -25,6 +25,7 @@ SETTING_BOOL(ambientOcclusion, false, "Ambient occlusion", "ambientOcclusion", "
 SETTING_K_INT(aoSamples, 9, 1, 256, "rays", "AO samples", "ambientOcclusion", "up", "Rays per visible point and sample. More rays, less grain.")
 SETTING_K_FLOAT(aoRadius, 1.0f, 0.0f, 1000.0f, "x scene", "AO radius", "ambientOcclusion", "", "How far a neighbour may be to darken, as a multiple of the radius that suits the scene. 0 turns the darkening off.")
 SETTING_K_FLOAT(aoPower, 1.0f, 0.0f, 10.0f, "", "AO power", "ambientOcclusion", "", "Contrast of the darkening: the visible share is raised to this power. 1 is physical.")
+SETTING_BOOL(indirectLight, false, "Indirect light", "indirectLight", "on", "Surfaces light each other, once, in the place of ambient light and its occlusion. Costs one ray per visible point and the light rays where it ends.")
 SETTING_BOOL(depthOfField, false, "Depth of field", "depthOfField", "on", "Blurs what is nearer or farther than the focus distance. Costs no rays, but takes samples to become smooth.")
 SETTING_K_FLOAT(aperture, 0.05f, 0.0f, 100.0f, "m", "Aperture", "depthOfField", "", "Diameter of the lens: the wider, the more is blurred. 0 is a pinhole, everything is sharp.")
 SETTING_K_FLOAT(focusDistance, 5.0f, 0.001f, 1000000.0f, "m", "Focus distance", "depthOfField", "", "How far in front of the camera everything is sharp.")

@@ -17,6 +17,7 @@ UINT_CONSTANT(MAX_SHADOW_SURFACES, 64u) // transparent surfaces a shadow ray pas
 UINT_CONSTANT(NEXT_REFLECTION, 1u)
 UINT_CONSTANT(NEXT_REFRACTION, 2u)
 UINT_CONSTANT(NEXT_PASS, 4u)
+UINT_CONSTANT(NEXT_INDIRECT, 8u)
 
 // A pending ray of the image. 64 bytes.
 struct PathState {
@@ -25,7 +26,7 @@ struct PathState {
     vec3 direction;     // unit
     float coneSpread;   // radians
     vec3 throughput;    // weight in the pixel
-    uint depth;         // reflections | refractions << 8 | alpha layers << 16 | ray kind << 24
+    uint depth;         // reflections | refractions << 8 | alpha layers << 16 | DIFFUSED | ray kind << 24
     uint medium;        // material the ray travels in + 1, 0 = air
     uint salt;          // tells the vertices of one sample apart, for random numbers
     uint pad0;
@@ -34,7 +35,7 @@ struct PathState {
 
 uint reflectionDepth(uint depth) { return depth & 255u; }
 uint refractionDepth(uint depth) { return (depth >> 8) & 255u; }
-uint alphaDepth(uint depth) { return (depth >> 16) & 255u; }
+uint alphaDepth(uint depth) { return (depth >> 16) & 127u; }
 uint rayKindOf(uint depth) { return depth >> 24; }
 
 PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
@@ -244,6 +245,7 @@ uint followReflection(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight
     direction = SELECT(above > 0.0f, direction, normalize3(direction + s.geometricNormal * (0.01f - above)));
     bool follow = HAS(EFFECT_REFLECTIONS) && reflectionDepth(p.depth) < FRAME.maxReflections
                   && share > FRAME.contributionThreshold;
+    if (HAS(EFFECT_INDIRECT_LIGHT)) follow = follow && (p.depth & DIFFUSED) == 0u;
     bool ends = share > 0.0f && !follow;
     if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, direction, weight, 1.0f, 1u);
@@ -335,6 +337,36 @@ uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, IN
     if (ANY(maxComponent(transmitted) > 0.0f))
         next = next | followRefraction(p, s, m, transmitted, split.eta, split.cosI, split.cosT, refraction, radiance);
     return next;
+}
+
+// The ray that brings indirect light in the place of the diffuse part of the ambient light; returns NEXT_INDIRECT where there is
+// one. Push it before the others.
+uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput,
+                 OUT(PathState) next) {
+    next = p;
+    if (!HAS(EFFECT_INDIRECT_LIGHT)) return uint(0u);
+    vec3 weight = throughput * diffuseAlbedo(m, wo) * m.alpha;
+    bool follow = (p.depth & DIFFUSED) == 0u && maxComponent(weight) > FRAME.contributionThreshold;
+    vec3 tangent;
+    vec3 bitangent;
+    orthonormalBasis(m.normal, tangent, bitangent);
+    uint shift = hashPixel(pixel, hashUint(p.salt + INDIRECT_SALT) + FRAME.seed);
+    vec3 direction = occlusionDirection(SOBOL(sampleIndex & (SOBOL_COUNT - 1u)), shift, m.normal, s.geometricNormal, tangent,
+                                        bitangent);
+    next = continuedPath(p, s, direction, weight, 1.0f, 0u);
+    next.salt = hashUint(p.salt + INDIRECT_SALT);
+    next.coneSpread = INDIRECT_SPREAD;
+    next.depth = (p.depth & 0x00ffffffu) | DIFFUSED | (RAY_REFLECTION << 24);
+    return SELECT(follow, uint(NEXT_INDIRECT), uint(0u));
+}
+
+// The ambient light beside an indirect ray, if `next` says that there is one: what rough specular reflection takes of it.
+vec3 ambientBeside(uint next, IN(Shading) m, vec3 wo, vec3 throughput) {
+    vec3 ambient = ambientContribution(m, wo, throughput);
+    if (!HAS(EFFECT_INDIRECT_LIGHT)) return ambient;
+    vec3 specular = ambient - throughput * (diffuseAlbedo(m, wo) * ambientLight(m.normal)) * m.alpha;
+    specular = vec3(max(specular.x, 0.0f), max(specular.y, 0.0f), max(specular.z, 0.0f));
+    return SELECT((next & NEXT_INDIRECT) != 0u, specular, ambient);
 }
 
 // Emission, and what an unlit surface shows.

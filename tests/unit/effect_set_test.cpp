@@ -35,7 +35,8 @@ ImageData plainImage(uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha = 2
 }
 
 TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
-    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog", "motionBlur"}))
+    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog", "motionBlur",
+                                        "indirectLight"}))
         << "the last ones are the viewer's choice";
 }
 

@@ -259,8 +259,11 @@ private:
         m.facet = kernel_.reflectingNormal(pixel, sample_, path.salt, m, wo);
         Vec3 throughput = kernel_.arrivingThroughput(path, s);
         Vec3 radiance = kernel_.withFog(g.load(arena_.radiance) + kernel_.emittedRadiance(m, throughput), path, s);
-        Vec3 ambient = kernel_.ambientContribution(m, wo, throughput);
-        Bool occlusion = kernel_.needsOcclusion(ambient);
+        Path indirect;
+        Uint more = kernel_.indirectRay(pixel, sample_, path, s, m, wo, throughput, indirect);
+        if (uint32_t bits = laneBits(more != Uint(0u)) & g.mask()) pushIndirect(g, bits, indirect);
+        Vec3 ambient = kernel_.ambientBeside(more, m, wo, throughput);
+        Bool occlusion = kernel_.needsOcclusion(ambient) && more == Uint(0u);
         radiance = select(occlusion, radiance, radiance + ambient);
         if (uint32_t bits = laneBits(occlusion) & g.mask()) pushOcclusion(g, bits, path, s, m, ambient);
         pushNext(g, path, s, m, throughput, radiance);
@@ -291,6 +294,13 @@ private:
             if (kinds & KernelType::NEXT_REFLECTION) storeLane(arena_.stacks.push(lane), reflection, i);
             if (kinds & KernelType::NEXT_PASS) storeLane(arena_.stacks.push(lane), pass, i);
             if (kinds & KernelType::NEXT_REFRACTION) storeLane(arena_.stacks.push(lane), refraction, i);
+        }
+    }
+
+    void pushIndirect(const Group& g, uint32_t bits, const Path& indirect) {
+        for (; bits; bits &= bits - 1) {
+            int i = __builtin_ctz(bits);
+            storeLane(arena_.stacks.push(g.lane.v[i]), indirect, i);
         }
     }
 

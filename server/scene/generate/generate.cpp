@@ -27,6 +27,7 @@ const std::vector<Entry>& entries() {
         {{"effects/fog", "A lamp behind a row of columns, for fog to show its light"}, fillFog},
         {{"effects/glossy", "Metal plates from smooth to rough that reflect glowing bars"}, fillGlossy},
         {{"effects/motion-blur", "Posts and balls for a camera to fly past"}, fillMotionBlur},
+        {{"effects/indirect-light", "A room that is lit by its coloured walls"}, fillIndirectLight},
     };
     return table;
 }

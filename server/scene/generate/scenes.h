@@ -15,5 +15,6 @@ void fillDepthOfField(SceneBuilder& builder);
 void fillFog(SceneBuilder& builder);
 void fillGlossy(SceneBuilder& builder);
 void fillMotionBlur(SceneBuilder& builder);
+void fillIndirectLight(SceneBuilder& builder);
 
 }  // namespace heliograph
