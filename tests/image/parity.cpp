@@ -14,6 +14,7 @@
 #include "server/render/frame_renderer.h"
 #include "server/scene/scene_source.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -37,11 +38,18 @@ constexpr const char* KINDS[] = {"primary", "shadow", "ambient occlusion", "refl
 struct Row {
     std::string scene;
     Bars bars;
+    std::vector<std::string> set = {};  // beside those of the command line
 };
 
 std::vector<Row> rows() {
     std::vector<Row> all;
     for (const char* own : {"cornell", "glass", "courtyard", "cathedral"}) all.push_back({own, OWN});
+    all.push_back({"effects/soft-shadows", OWN});
+    all.push_back({"effects/depth-of-field", OWN, {"depthOfField=true", "aperture=0.2"}});
+    all.push_back({"effects/fog", OWN, {"fog=true"}});
+    all.push_back({"effects/glossy", OWN, {"glossyReflections=true"}});
+    all.push_back({"effects/motion-blur", OWN, {"motionBlur=true"}});
+    all.push_back({"effects/indirect-light", OWN, {"indirectLight=true"}});
     const std::string shared = HELIOGRAPH_SHARED_SCENES;
     for (const char* path :
          {"glass/GlassPack.obj", "sponza-dabrovic/sponza.obj", "sibenik/sibenik.obj", "gltf/DamagedHelmet", "gltf/Duck",
@@ -157,6 +165,7 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     settings.robust = options.robust;
     settings.primaryPackets = options.packets;
     settings.secondaryPackets = options.packets;
+    for (const std::string& text : row.set) settings.setFromText(text);
     for (const std::string& text : options.set) settings.setFromText(text);
     embree.load(scene, settings, {});
     other.load(scene, settings, {});
@@ -165,6 +174,9 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     Camera camera = cameraFrom(scene->cameras.front());
     camera.forward += vec3(0.00317f, 0.00171f, -0.00233f);
     FrameRequest request = frameRequest(*scene, camera, settings, options.size, 1);
+    // As if the camera had stepped aside since the frame before, for motion blur.
+    request.previousCamera = request.camera;
+    request.previousCamera->position += vec3(0.04f, 0.02f, 0.03f) * scene->bounds.radius();
     FrameStats first, second;
     std::vector<vec4> a = render(embree, request, options, first);
     Checkerboard both(embree, other);
@@ -189,7 +201,9 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     std::fflush(stdout);
     if (!options.out.empty() && (!good || options.pictures)) {
         std::filesystem::create_directories(options.out);
-        std::string base = options.out + "/" + label(row);
+        std::string name = label(row);
+        std::replace(name.begin(), name.end(), '/', '-');
+        std::string base = options.out + "/" + name;
         writePicture(base + "-embree.png", a, options.size);
         writePicture(base + (options.checkerboard ? "-checkerboard.png" : "-other.png"), b, options.size);
         std::vector<vec4> difference(a.size());

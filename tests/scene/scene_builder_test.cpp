@@ -253,6 +253,29 @@ TEST(SceneBuilder, KeepsALightThatIsThere) {
     EXPECT_THAT(scene->warnings, Contains(HasSubstr("1 lights were left out")));
 }
 
+TEST(SceneBuilder, RepairsTheExtentOfLights) {
+    const auto lightOf = [](auto&& change) {
+        SceneBuilder builder("t");
+        Light light{};
+        light.type = LIGHT_POINT;
+        light.intensity = vec3(1);
+        change(light);
+        builder.addLight(light);
+        return builder.finish()->lights.at(0);
+    };
+    constexpr float BAD = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_EQ(lightOf([](Light& l) { l.radius = 0.5f; }).radius, 0.5f);
+    EXPECT_EQ(lightOf([](Light& l) { l.radius = BAD; }).radius, 0.0f);
+    EXPECT_EQ(lightOf([](Light& l) { l.radius = -1.0f; }).radius, 0.0f);
+    const auto quad = [](Light& l) { l.type = LIGHT_QUAD, l.direction = vec3(0, -3, 0), l.edge = vec3(1, 0, 0), l.aspect = 2.0f; };
+    EXPECT_EQ(lightOf(quad).type, uint32_t(LIGHT_QUAD));
+    EXPECT_EQ(lightOf(quad).direction, vec3(0, -1, 0));
+    EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.aspect = BAD; }).aspect, 0.0f);
+    EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.edge = vec3(0); }).type, uint32_t(LIGHT_HEADLIGHT)) << "left out: it has no size";
+    EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.edge.x = BAD; }).type, uint32_t(LIGHT_HEADLIGHT));
+    EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.direction = vec3(0); }).type, uint32_t(LIGHT_HEADLIGHT));
+}
+
 TEST(SceneBuilder, SeesARoomFromInside) {
     const auto box = [](bool inwards) {
         MeshData mesh;
