@@ -41,6 +41,7 @@ layout(std430, set = 0, binding = 14) readonly buffer SobolBuffer { uvec2 sobolP
 #define TEXEL(i) texels[i]
 #define LIGHT(i) lights[i]
 #define SOBOL(i) sobolPoints[i]
+#define SOBOL_AT(i) sobolPoints[i]
 
 #endif
 #endif

@@ -28,6 +28,7 @@ FETCHED(14, fetchSobol)
 #define IMAGE_LEVEL(i) ROW(fetchImageLevels, i, 1u, 0u)
 #define TEXEL(i) texelFetch(fetchTexels, int(i)).x
 #define SOBOL(i) texelFetch(fetchSobol, int(i)).xy
+#define SOBOL_AT(i) SOBOL(i)
 
 #define ATTRIBUTE(i, field) ATTRIBUTE_##field(i)
 #define ATTRIBUTE_v0(i) ROWF(fetchAttributes, i, 2u, 1u).x

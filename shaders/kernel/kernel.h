@@ -29,6 +29,7 @@
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)
 #define SOBOL(i) scene.sobol[i]
+#define SOBOL_AT(i) scene.sobol[i]
 
 namespace heliograph::scalar_kernel {
 

@@ -32,6 +32,7 @@
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)
 #define SOBOL(i) scene.sobol[i]
+#define SOBOL_AT(i) gatherPair(scene.sobol, i)
 
 namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 

@@ -300,6 +300,9 @@ HELIOGRAPH_INLINE Uint gather(const uint32_t* field, Uint index, uint32_t stride
     if (sameInAllLanes(index)) return Uint(field[size_t(index.v[0]) * (stride / 4)]);
     return Uint((VectorUint)gatherWords(field, index, stride));
 }
+HELIOGRAPH_INLINE Uvec2 gatherPair(const glm::uvec2* pairs, Uint index) {
+    return {gather(&pairs->x, index, sizeof(glm::uvec2)), gather(&pairs->y, index, sizeof(glm::uvec2))};
+}
 HELIOGRAPH_INLINE Vec2 gather(const glm::vec2* field, Uint index, uint32_t stride) {
     return {gather(&field->x, index, stride), gather(&field->y, index, stride)};
 }

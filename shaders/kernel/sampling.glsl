@@ -22,6 +22,28 @@ uint hashPixel(uvec2 pixel, uint salt) {
 // [0, 1): 24 bits, so that 1 is never reached.
 float unitFloat(uint bits) { return float(int(bits >> 8)) * 5.9604644775390625e-8f; }
 
+uint reverseBits(uint value) {
+    uint x = value;
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+    return (x >> 16) | (x << 16);
+}
+
+// Point `number` of the Sobol table in an order of its own for each seed, in which the first 2^n numbers still get points that
+// are spread evenly. For values that are combined with other values of the same sample: in one order a place on the lens would
+// always go with the same place on a lamp. Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4) 2020.
+uvec2 shuffledPoint(UNIFORM_UINT number, uint seed) {
+    uint x = reverseBits(uint(number));
+    x = x ^ (x * 0x3d20adeau);
+    x = x + seed;
+    x = x * ((seed >> 16) | 1u);
+    x = x ^ (x * 0x05526c56u);
+    x = x ^ (x * 0x53a22864u);
+    return SOBOL_AT(reverseBits(x) & (SOBOL_COUNT - 1u));
+}
+
 // Offset inside the pixel in [0, 1)^2 of sample `index`; index 0 is the centre.
 vec2 pixelJitter(UNIFORM_UINT index) {
     return vec2(unitFloat(0x80000000u + index * 0xc13fa9a9u), unitFloat(0x80000000u + index * 0x91e10da5u));

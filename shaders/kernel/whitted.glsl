@@ -351,8 +351,7 @@ uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surf
     vec3 bitangent;
     orthonormalBasis(m.normal, tangent, bitangent);
     uint shift = hashPixel(pixel, hashUint(p.salt + INDIRECT_SALT) + FRAME.seed);
-    vec3 direction = occlusionDirection(SOBOL(sampleIndex & (SOBOL_COUNT - 1u)), shift, m.normal, s.geometricNormal, tangent,
-                                        bitangent);
+    vec3 direction = occlusionDirection(shuffledPoint(sampleIndex, shift), shift, m.normal, s.geometricNormal, tangent, bitangent);
     next = continuedPath(p, s, direction, weight, 1.0f, 0u);
     next.salt = hashUint(p.salt + INDIRECT_SALT);
     next.coneSpread = INDIRECT_SPREAD;

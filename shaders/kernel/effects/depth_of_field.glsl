@@ -8,7 +8,7 @@ UINT_CONSTANT(LENS_SALT, 0x6c656e73u)  // no vertex of a path has it but by chan
 // plane FRAME.focusDistance ahead where it did before.
 void throughLens(IN(CameraPose) c, uvec2 pixel, UNIFORM_UINT sampleIndex, INOUT(vec3) origin, INOUT(vec3) direction) {
     uint shift = hashPixel(pixel, LENS_SALT + FRAME.seed);
-    uvec2 point = SOBOL(sampleIndex & (SOBOL_COUNT - 1u));
+    uvec2 point = shuffledPoint(sampleIndex, shift);
     float r = (0.5f * FRAME.aperture) * sqrt(unitFloat(point.x ^ shift));
     float sine;
     float cosine;

@@ -72,19 +72,19 @@ ShadowRay fogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex,
                  vec3 direction, vec3 throughput, float distance) {
     Light light = LIGHT(index);
     uint shift = hashPixel(pixel, hashUint(salt + FOG_SALT + index * 0x9e3779b9u) + FRAME.seed);
-    uvec2 number = SOBOL((sampleIndex * FRAME.fogSamples + ray) & (SOBOL_COUNT - 1u));
-    float u = unitFloat(number.x ^ shift);
+    uvec2 point = SOBOL((sampleIndex * FRAME.fogSamples + ray) & (SOBOL_COUNT - 1u));
+    float u = unitFloat(point.x ^ shift);
     vec2 span = fogSpan(origin, direction, distance);
     vec3 from = origin + direction * span.x;
-    FogPoint point;
+    FogPoint at;
     if (light.falloff == FALLOFF_LINEAR || light.type == LIGHT_DIRECTIONAL || light.type == LIGHT_HEADLIGHT)
-        point = fogPointByDepth(span.y, u);
-    else point = fogPointByAngle(direction, light.position - from, span.y, u);
+        at = fogPointByDepth(span.y, u);
+    else at = fogPointByAngle(direction, light.position - from, span.y, u);
     ShadowRay r;
-    r.ray.origin = from + direction * point.along;
-    LightSample sample_ = anyLightAt(index, number, hashUint(shift), r.ray.origin);
+    r.ray.origin = from + direction * at.along;
+    LightSample sample_ = anyLightAt(index, shuffledPoint(sampleIndex * FRAME.fogSamples + ray, shift), hashUint(shift), r.ray.origin);
     float through = fogTransmittance(r.ray.origin, sample_.direction, sample_.distance);
-    float share = SELECT(span.y > 0.0f, through * point.weight * (1.0f / float(int(FRAME.fogSamples))), 0.0f);
+    float share = SELECT(span.y > 0.0f, through * at.weight * (1.0f / float(int(FRAME.fogSamples))), 0.0f);
     r.contribution = throughput * sample_.irradiance * share;
     r.ray.direction = sample_.direction;
     r.ray.tMax = SELECT(sample_.distance < FLOAT_MAX, sample_.distance * 0.9999f, FLOAT_MAX);

@@ -32,7 +32,7 @@ vec3 reflectingNormal(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, IN(Shadi
     vec3 normal = m.normal;
     if (ANY(rough)) {
         uint shift = hashPixel(pixel, hashUint(salt + GLOSSY_SALT) + FRAME.seed);
-        uvec2 point = SOBOL(sampleIndex & (SOBOL_COUNT - 1u));
+        uvec2 point = shuffledPoint(sampleIndex, shift);
         vec3 tangent;
         vec3 bitangent;
         orthonormalBasis(m.normal, tangent, bitangent);
