@@ -185,6 +185,15 @@ void expectSameFromAllPrograms(const std::shared_ptr<const Scene>& scene, const 
 
 TEST(InstructionSets, GiveTheSameBitsInTheMaterialZoo) { expectSameFromAllPrograms(zoo(), cameraFrom(zooCamera()), busy()); }
 
+TEST(InstructionSets, GiveTheSameBitsWithEveryEffectOn) {
+    Settings all = busy();
+    all.depthOfField = all.motionBlur = all.fog = all.glossyReflections = all.indirectLight = true;
+    all.fogSamples = 2;
+    expectSameFromAllPrograms(zoo(), cameraFrom(zooCamera()), all);
+    const auto scene = openScene("effects/soft-shadows");
+    expectSameFromAllPrograms(scene, cameraFrom(scene->cameras[0]), Settings{});
+}
+
 TEST(InstructionSets, GiveTheSameBitsInTheCornellBox) {
     const auto scene = openScene("cornell");
     expectSameFromAllPrograms(scene, cameraFrom(scene->cameras[0]), busy());

@@ -86,6 +86,14 @@ void expectSame(const WideKernel::Shading& w, const EveryKernel::Shading& s, int
     EXPECT_FIELD(mirror);
     EXPECT_FIELD(ior);
     EXPECT_FIELD(flags);
+    EXPECT_FIELD(facet);
+}
+
+void expectSame(const WideKernel::ShadowRay& w, const EveryKernel::ShadowRay& s, int lane) {
+    EXPECT_FIELD(ray.origin);
+    EXPECT_FIELD(ray.direction);
+    EXPECT_FIELD(ray.tMax);
+    EXPECT_FIELD(contribution);
 }
 
 /// A path that meets a random place of a random triangle, from either side.
@@ -112,7 +120,7 @@ RandomHit randomHit(const Scene& scene, EveryKernel& kernel, Random& random) {
     if (random.below(8) == 0) r.path.throughput = vec3(1e-4f);  // below the threshold: ends here
     r.path.coneWidth = random.real(0.0f, 0.1f);
     r.path.coneSpread = random.real(0.0f, 0.01f);
-    r.path.depth = random.below(3) | random.below(9) << 8 | random.below(17) << 16 | random.below(3) << 24;
+    r.path.depth = random.below(3) | random.below(9) << 8 | random.below(17) << 16 | random.below(2) << 23 | random.below(3) << 24;
     r.path.medium = random.below(3) ? 0u : 1u + random.below(static_cast<uint32_t>(scene.materials.size()));
     r.path.salt = random.word();
     r.pixel = uvec2(random.below(4096), random.below(4096));
@@ -123,6 +131,57 @@ void setLane(wide::Vec3& to, vec3 from, int lane) {
     to.x.v[lane] = from.x;
     to.y.v[lane] = from.y;
     to.z.v[lane] = from.z;
+}
+
+/// The stages of the files in shaders/kernel/effects, in both kernels.
+void compareEffects(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits)[LANES], const WideKernel::PathState& path,
+                    const wide::HitLanes& hit, wide::Uvec2 pixel, uint32_t sample) {
+    const auto wideSurface = lanes.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
+    auto wideShading = lanes.shadingAt(wideSurface);
+    const wide::Vec3 wideWo = -path.direction;
+    wideShading.facet = lanes.reflectingNormal(pixel, sample, path.salt, wideShading, wideWo);
+    const wide::Vec3 wideThroughput = lanes.arrivingThroughput(path, wideSurface);
+    const wide::Vec3 wideFog = lanes.withFog(wideThroughput, path, wideSurface);
+    WideKernel::PathState wideIndirect{}, wideNext[3] = {};
+    const wide::Uint wideMore = lanes.indirectRay(pixel, sample, path, wideSurface, wideShading, wideWo, wideThroughput, wideIndirect);
+    const wide::Vec3 wideBeside = lanes.ambientBeside(wideMore, wideShading, wideWo, wideThroughput);
+    wide::Vec3 wideRadiance = wideFog;
+    const wide::Uint wideKinds = lanes.nextRays(path, wideSurface, wideShading, wideThroughput, wideNext[0], wideNext[1],
+                                                wideNext[2], wideRadiance);
+    std::vector<WideKernel::ShadowRay> wideRays;
+    for (uint32_t l = 0; l < lanes.frame.lightCount; l++) {
+        wideRays.push_back(lanes.lightSampleRay(l, lanes.lightSamples(l) - 1, sample, pixel, path.salt, wideSurface, wideShading, wideWo, wideThroughput));
+        wideRays.push_back(lanes.pathFogRay(l, 0, sample, pixel, path, lanes.airBefore(path, wideSurface)));
+    }
+    EXPECT_EQ(lanes.allLightSamples(), scalar.allLightSamples());
+    EXPECT_EQ(lanes.fogRays(), scalar.fogRays());
+    for (int lane = 0; lane < LANES; lane++) {
+        const EveryKernel::PathState& p = hits[lane].path;
+        const uvec2 at = hits[lane].pixel;
+        const auto surface = scalar.surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hits[lane].hit);
+        auto shading = scalar.shadingAt(surface);
+        const vec3 wo = -p.direction;
+        shading.facet = scalar.reflectingNormal(at, sample, p.salt, shading, wo);
+        EXPECT_TRUE(same(wideShading.facet, shading.facet, lane)) << "reflectingNormal";
+        const vec3 throughput = scalar.arrivingThroughput(p, surface);
+        EXPECT_TRUE(same(wideThroughput, throughput, lane)) << "arrivingThroughput";
+        vec3 radiance = scalar.withFog(throughput, p, surface);
+        EXPECT_TRUE(same(wideFog, radiance, lane)) << "withFog";
+        EveryKernel::PathState indirect{}, next[3] = {};
+        const uint32_t more = scalar.indirectRay(at, sample, p, surface, shading, wo, throughput, indirect);
+        EXPECT_EQ(wideMore.v[lane], more);
+        if (more != 0) expectSame(wideIndirect, indirect, lane);
+        EXPECT_TRUE(same(wideBeside, scalar.ambientBeside(more, shading, wo, throughput), lane)) << "ambientBeside";
+        const uint32_t kinds = scalar.nextRays(p, surface, shading, throughput, next[0], next[1], next[2], radiance);
+        EXPECT_EQ(wideKinds.v[lane], kinds);
+        EXPECT_TRUE(same(wideRadiance, radiance, lane)) << "nextRays: radiance";
+        if (kinds & EveryKernel::NEXT_REFLECTION) expectSame(wideNext[0], next[0], lane);
+        for (uint32_t l = 0; l < scalar.frame.lightCount; l++) {
+            SCOPED_TRACE("light " + std::to_string(l));
+            expectSame(wideRays[2 * l], scalar.lightSampleRay(l, scalar.lightSamples(l) - 1, sample, at, p.salt, surface, shading, wo, throughput), lane);
+            expectSame(wideRays[2 * l + 1], scalar.pathFogRay(l, 0, sample, at, p, scalar.airBefore(p, surface)), lane);
+        }
+    }
 }
 
 /// All stages of one group of hits, in both kernels.
@@ -204,12 +263,11 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
         EXPECT_TRUE(same(wideHole, scalar.isCutOut(surface), lane)) << "isCutOut";
         for (uint32_t l = 0; l < scalar.frame.lightCount; l++) {
             const auto shadow = scalar.lightRay(l, surface, shading, wo, throughput);
-            EXPECT_TRUE(same(wideShadows[l].ray.origin, shadow.ray.origin, lane)) << "light " << l;
-            EXPECT_TRUE(same(wideShadows[l].ray.direction, shadow.ray.direction, lane)) << "light " << l;
-            EXPECT_TRUE(same(wideShadows[l].ray.tMax, shadow.ray.tMax, lane)) << "light " << l;
-            EXPECT_TRUE(same(wideShadows[l].contribution, shadow.contribution, lane)) << "light " << l;
+            SCOPED_TRACE("light " + std::to_string(l));
+            expectSame(wideShadows[l], shadow, lane);
         }
     }
+    compareEffects(scalar, lanes, hits, path, hit, pixel, sample);
 }
 
 /// `effects` by round: all, then random subsets.
@@ -219,9 +277,11 @@ void compareScene(const Scene& scene, int groups, uint64_t seed) {
     Settings settings;
     settings.ambientOcclusion = true;
     FrameRequest request{cameraFrom(scene.cameras[0]), settings, EffectSet{0xffffffffu}, uvec2(640, 480), 1};
+    request.previousCamera = request.camera;
+    request.previousCamera->position += vec3(0.3f, -0.1f, 0.2f);
     scalar.scene = lanes.scene = sceneView(scene);
     scalar.frame = lanes.frame = frameConstants(scene, request);
-    uint32_t sceneEffects = effectsOf(scene).bits;
+    const uint32_t sceneEffects = effectsOf(scene).bits;  // those that viewers choose are always among them
     Random random(seed);
     for (int group = 0; group < groups; group++) {
         scalar.frame.effects = lanes.frame.effects = group % 2 ? sceneEffects & random.word() : sceneEffects;

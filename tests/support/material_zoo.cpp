@@ -114,6 +114,7 @@ void addLights(SceneBuilder& builder) {
     light.intensity = vec3(40.0f, 35.0f, 30.0f);
     light.position = vec3(2.0f, 6.0f, 8.0f);
     light.direction = vec3(0.3f, -0.9f, -0.2f);
+    light.radius = 0.4f;
     builder.addLight(light);
     light.type = LIGHT_SPOT;
     light.position = vec3(8.0f, 7.0f, 3.0f);
@@ -128,9 +129,18 @@ void addLights(SceneBuilder& builder) {
     builder.addLight(light);
     light.type = LIGHT_DIRECTIONAL;
     light.intensity = vec3(0.8f, 0.7f, 0.9f);
+    light.radius = 0.05f;
     builder.addLight(light);
     light.type = LIGHT_HEADLIGHT;
     light.intensity = vec3(0.2f);
+    builder.addLight(light);
+    light.type = LIGHT_QUAD;
+    light.falloff = FALLOFF_INVERSE_SQUARE;
+    light.position = vec3(1.0f, 5.0f, 5.0f);
+    light.direction = vec3(0.0f, -1.0f, 0.0f);
+    light.edge = vec3(0.6f, 0.0f, 0.8f);
+    light.aspect = 0.5f;
+    light.intensity = vec3(6.0f);
     builder.addLight(light);
 }
 
