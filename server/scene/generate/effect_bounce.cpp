@@ -26,7 +26,7 @@ void fillIndirectLight(SceneBuilder& builder) {
     writer.setMaterial(blue);
     addBox(writer, {2.50f, -0.02f, -2.5f}, {2.60f, 2.6f, 1.8f});
     writer.setMaterial(white);
-    addBox(writer, {-1.5f, 2.20f, -1.2f}, {1.5f, 2.24f, 1.4f});
+    addBox(writer, {-1.3f, 2.20f, -1.2f}, {1.3f, 2.24f, 1.4f});
     finishStage(builder, writer, {0.01f, 0.011f, 0.013f});
     builder.addLight(pointLight({-0.9f, 2.9f, 0.1f}, {20.0f, 19.0f, 17.0f}));
     builder.addLight(pointLight({0.9f, 2.9f, 0.1f}, {20.0f, 19.0f, 17.0f}));

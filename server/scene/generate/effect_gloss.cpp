@@ -20,11 +20,11 @@ void fillGlossy(SceneBuilder& builder) {
         Material metal = matte({0.92f, 0.90f, 0.86f}, 0.02f + 0.08f * float(i));
         metal.metallic = 1.0f;
         writer.setMaterial(builder.addMaterial(metal, "metal " + std::to_string(2 + 8 * i) + " %"));
-        const mat4 tilt = glm::rotate(mat4(1.0f), glm::radians(14.0f), vec3(1, 0, 0));
+        const mat4 tilt = glm::rotate(mat4(1.0f), glm::radians(6.0f), vec3(1, 0, 0));
         writer.setTransform(placed({-2.3f + 1.15f * float(i), 0.42f, 0.6f}) * tilt);
         addBox(writer, {-0.52f, -0.03f, -1.1f}, {0.52f, 0.03f, 1.1f});
     }
-    const vec3 colors[] = {{9.0f, 2.2f, 1.2f}, {8.0f, 6.5f, 3.0f}, {2.0f, 6.0f, 3.0f}, {2.0f, 4.0f, 9.0f}};
+    const vec3 colors[] = {{3.0f, 0.7f, 0.4f}, {2.6f, 2.0f, 0.9f}, {0.6f, 2.0f, 1.0f}, {0.6f, 1.3f, 3.0f}};
     for (int i = 0; i < 4; i++) {
         Material glow = matte(vec3(0.0f), 1.0f);
         glow.emission = vec4(colors[i], 0.0f);

@@ -24,7 +24,7 @@ const std::vector<Entry>& entries() {
         {{"effects/soft-shadows", "A stage with columns under a shining ball and a shining panel"}, fillSoftShadows},
         {{"effects/hard-shadows", "The same stage under two point lights"}, fillHardShadows},
         {{"effects/depth-of-field", "Balls in a row towards small lamps, for a lens to blur"}, fillDepthOfField},
-        {{"effects/fog", "A lamp behind a row of columns, for fog to show its light"}, fillFog},
+        {{"effects/fog", "A light behind a row of columns, for fog to show its shafts"}, fillFog},
         {{"effects/glossy", "Metal plates from smooth to rough that reflect glowing bars"}, fillGlossy},
         {{"effects/motion-blur", "Posts and balls for a camera to fly past"}, fillMotionBlur},
         {{"effects/indirect-light", "A room that is lit by its coloured walls"}, fillIndirectLight},
