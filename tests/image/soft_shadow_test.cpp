@@ -92,7 +92,7 @@ TEST(SoftShadows, AQuadLightsTheFloorByItsArea) {
     quad.aspect = float(b / a);
     const auto scene = edgeUnder(quad, false);
     const Camera camera = lookAt(vec3(0.0f, 1.0f, 4.0f), vec3(0.0f), 50.0f);
-    const Picture picture = render(scene, camera, rays(256), 4);
+    const Picture picture = render(scene, camera, rays(256));  // one sample, which goes through the pixels' centres
     for (uint32_t y = 60; y < picture.size.y; y += 6) {
         for (uint32_t x = 0; x < picture.size.x; x += 6) {
             const dvec3 p = onPlane(camera, picture.size, x, y, dvec3(0.0), dvec3(0, 1, 0));
