@@ -28,7 +28,7 @@ SETTING_K_FLOAT(aoPower, 1.0f, 0.0f, 10.0f, "", "AO power", "ambientOcclusion", 
 SETTING_BOOL(indirectLight, false, "Indirect light", "indirectLight", "on", "Surfaces light each other, once, in the place of ambient light and its occlusion. Costs one ray per visible point and the light rays where it ends.")
 SETTING_BOOL(depthOfField, false, "Depth of field", "depthOfField", "on", "Blurs what is nearer or farther than the focus distance. Costs no rays, but takes samples to become smooth.")
 SETTING_K_FLOAT(aperture, 0.05f, 0.0f, 100.0f, "m", "Aperture", "depthOfField", "", "Diameter of the lens: the wider, the more is blurred. 0 is a pinhole, everything is sharp.")
-SETTING_K_FLOAT(focusDistance, 5.0f, 0.001f, 1000000.0f, "m", "Focus distance", "depthOfField", "", "How far in front of the camera everything is sharp.")
+SETTING_K_FLOAT(focusDistance, 5.0f, 0.0f, 1000000.0f, "m", "Focus distance", "depthOfField", "", "How far in front of the camera everything is sharp.")
 SETTING_BOOL(motionBlur, false, "Motion blur", "motionBlur", "on", "Blurs the picture along the way of a moving camera. Costs no rays, but takes samples to become smooth.")
 SETTING_K_FLOAT(shutter, 0.5f, 0.0f, 1.0f, "x frame", "Shutter", "motionBlur", "", "How much of the time between two frames the shutter is open. 0 freezes the motion.")
 SETTING_BOOL(fog, false, "Fog", "fog", "on", "Fills the scene with fog: far things fade, light becomes visible. Costs rays per light and path.")

@@ -140,6 +140,44 @@ TEST(Sampling, DigitShiftKeepsTheStrata) {
     }
 }
 
+TEST(Sampling, ShuffledPointsKeepTheirStrata) {
+    kernel.scene.sobol = sobolTable().data();
+    for (uint32_t seed : {0u, 1u, 0x12345678u, 0xffffffffu}) {
+        for (uint32_t log = 2; log <= 12; log += 2) {
+            const uint32_t side = 1u << (log / 2);
+            std::set<uint32_t> cells;
+            for (uint32_t i = 0; i < side * side; i++) {
+                const uvec2 point = kernel.shuffledPoint(i, seed);
+                cells.insert((point.x >> (32 - log / 2)) * side + (point.y >> (32 - log / 2)));
+            }
+            EXPECT_EQ(cells.size(), side * side) << "one of the first " << side * side << " points in each square, seed " << seed;
+        }
+    }
+}
+
+// Two orders of the table have nothing to do with each other: pairs of them fill the square as chance would. (Pairs of one order
+// with two digit shifts lie on lines: 16 of 256 cells.)
+TEST(Sampling, ShufflesAreIndependentOfEachOther) {
+    kernel.scene.sobol = sobolTable().data();
+    int tried = 0;
+    double greatest = 0.0, sum = 0.0;
+    for (uint32_t seed = 1; seed <= 64; seed++) {
+        int cells[256] = {};
+        for (uint32_t i = 0; i < 4096; i++) {
+            const uint32_t a = kernel.shuffledPoint(i, kernel.hashUint(seed)).x >> 28, b = kernel.shuffledPoint(i, kernel.hashUint(seed + 1000)).x >> 28;
+            cells[a * 16 + b]++;
+        }
+        double chiSquare = 0.0;
+        for (int n : cells) chiSquare += (n - 16.0) * (n - 16.0) / 16.0;
+        greatest = std::max(greatest, chiSquare);
+        sum += chiSquare;
+        tried++;
+    }
+    // By chance, with rows and columns that sum to 256 each: 225 on average, deviation 21; on lines it would be 61440.
+    EXPECT_LT(sum / tried, 300.0);
+    EXPECT_LT(greatest, 1500.0);
+}
+
 TEST(Sampling, SamplesOfAPixelTakeTheTableInARow) {
     EveryKernel k = bareKernel();
     k.frame.aoSamples = 9;

@@ -14,7 +14,7 @@ void throughLens(IN(CameraPose) c, uvec2 pixel, UNIFORM_UINT sampleIndex, INOUT(
     float cosine;
     sinCosTurn(unitFloat(point.y ^ hashUint(shift)), sine, cosine);
     vec3 onLens = normalize3(c.right) * (r * cosine) + normalize3(c.up) * (r * sine);
-    vec3 inFocus = direction * (FRAME.focusDistance / dot(direction, c.forward));
+    vec3 inFocus = direction * (max(FRAME.focusDistance, 1.0e-3f) / dot(direction, c.forward));
     origin = origin + onLens;
     direction = normalize3(inFocus - onLens);
 }
