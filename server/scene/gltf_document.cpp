@@ -225,6 +225,16 @@ void checkViews(const json& root, const GltfDocument& document) {
     }
 }
 
+std::vector<float> lightRadiiOf(const json& root) {
+    std::vector<float> radii;
+    const json::json_pointer lights("/extensions/KHR_lights_punctual/lights");
+    if (!root.contains(lights) || !root[lights].is_array()) return radii;
+    const json::json_pointer radius("/extras/radius");
+    for (const json& light : root[lights])
+        radii.push_back(light.contains(radius) && light[radius].is_number() ? light[radius].get<float>() : 0.0f);
+    return radii;
+}
+
 /// Removes what tinygltf need not see (bytes, and what is not drawn), so that its structs stay small.
 void strip(json& value, int depth = 0) {
     if (value.is_object()) {
@@ -273,6 +283,7 @@ GltfDocument readGltf(const std::filesystem::path& path) {
     checkViews(root, document);
     json images = json::object();
     if (root.contains("images")) images["images"] = std::move(root["images"]);
+    document.lightRadii = lightRadiiOf(root);
     strip(root);
     parseModel(root, document);
     root = nullptr;

@@ -31,6 +31,9 @@ struct GltfDocument {
     tinygltf::Model model;
     std::vector<ByteSpan> buffers;
     std::vector<GltfImage> images;
+    /// KHR_lights_punctual knows points alone: an extent is the light's `extras.radius`, metres; directional: the tangent of its
+    /// angular radius. One per light, 0 where there is none.
+    std::vector<float> lightRadii;
     std::vector<std::string> warnings;
     uint64_t sourceBytes = 0;  // of the file and what it refers to, each once
 

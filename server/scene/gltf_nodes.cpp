@@ -228,16 +228,6 @@ private:
         builder_.addCamera(camera);
     }
 
-    /// KHR_lights_punctual knows points alone. An extent comes as the light's `extras.radius`, metres; directional: the tangent of
-    /// its angular radius. tinygltf keeps the extension but not the light's extras.
-    double radiusOf(size_t light) const {
-        const auto extension = document_.model.extensions.find("KHR_lights_punctual");
-        if (extension == document_.model.extensions.end() || !extension->second.Has("lights")) return 0.0;
-        const tinygltf::Value& lights = extension->second.Get("lights");
-        if (!lights.IsArray() || light >= lights.ArrayLen() || !lights.Get(int(light)).Has("extras")) return 0.0;
-        return numberOf(lights.Get(int(light)).Get("extras"), "radius", 0.0);
-    }
-
     void placeLight(const tinygltf::Value& extension, int node, const dmat4& toWorld) {
         const double index = numberOf(extension, "light", -1.0);
         if (index < 0.0) return;
@@ -251,7 +241,7 @@ private:
         light.direction = direction(toWorld, 2, -1.0);
         light.range = static_cast<float>(from.range);
         light.cosInner = 1.0f;
-        light.radius = static_cast<float>(radiusOf(static_cast<size_t>(index)));
+        if (index < double(document_.lightRadii.size())) light.radius = document_.lightRadii[static_cast<size_t>(index)];
         for (int i = 0; i < 3; i++)
             light.intensity[i] = static_cast<float>(
                 (from.color.size() == 3 ? from.color[static_cast<size_t>(i)] : 1.0) * from.intensity);
