@@ -30,11 +30,16 @@ constexpr uint32_t PLAIN = EFFECT_SHADOWS | EFFECT_TEXTURES | EFFECT_ENVIRONMENT
 constexpr uint32_t MIRRORS = PLAIN | EFFECT_REFLECTIONS | EFFECT_NORMAL_MAPS | EFFECT_TANGENTS;
 constexpr uint32_t OCCLUSION = MIRRORS | EFFECT_AMBIENT_OCCLUSION;
 constexpr uint32_t EVERYTHING = 0xffffffffu;
+// What spreads its rays (shaders/kernel/effects) is looked for at run time in EVERYTHING alone.
+constexpr uint32_t SPREAD = EFFECT_SOFT_SHADOWS | EFFECT_DEPTH_OF_FIELD | EFFECT_FOG | EFFECT_GLOSSY_REFLECTIONS | EFFECT_MOTION_BLUR |
+                            EFFECT_INDIRECT_LIGHT;
+constexpr uint32_t SHARP = EVERYTHING & ~SPREAD;
 
 constexpr TileProgramRow ROWS[] = {
     {PLAIN, makeProgram<PLAIN>},
     {MIRRORS, makeProgram<MIRRORS>},
     {OCCLUSION, makeProgram<OCCLUSION>},
+    {SHARP, makeProgram<SHARP>},
     {EVERYTHING, makeProgram<EVERYTHING>},
 };
 

@@ -19,8 +19,8 @@ void fillFog(SceneBuilder& builder) {
     writer.setMaterial(stone);
     for (int i = 0; i < 5; i++) addStageColumn(writer, -2.4f + 1.2f * float(i), -0.6f, 2.6f);
     finishStage(builder, writer, {0.02f, 0.024f, 0.03f});
-    builder.addLight(pointLight({0.6f, 1.9f, -1.5f}, {9.0f, 7.3f, 5.0f}));
-    builder.addLight(pointLight({-4.0f, 4.0f, 4.5f}, {1.2f, 1.5f, 2.2f}));
+    builder.addLight(pointLight({0.6f, 1.9f, -1.5f}, {26.0f, 21.0f, 14.0f}));
+    builder.addLight(pointLight({-4.0f, 4.0f, 4.5f}, {4.0f, 5.0f, 7.0f}));
 }
 
 }  // namespace heliograph
