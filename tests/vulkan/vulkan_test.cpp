@@ -10,11 +10,13 @@
 #include "server/render/frame_renderer.h"
 #include "server/render/device_switch.h"
 #include "server/scene/scene_source.h"
+#include "tests/support/material_zoo.h"
 #include "tests/support/test_scenes.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstring>
 #include <thread>
 
@@ -112,6 +114,26 @@ TEST_F(Vulkan, PictureIsEmbreesBitForBit) {
     // 101 x 67: no tile and no workgroup is whole at the border.
     FrameRequest request = requestFor(*scene, settings, {101, 67});
     EXPECT_EQ(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 0u);
+}
+
+// Every material, every kind of light, every effect at once; deep enough that a stack that is too small shows.
+TEST_F(Vulkan, AllEffectsTogetherAreEmbreesBitForBit) {
+    auto scene = test::materialZoo();
+    Settings settings = occludedSettings();
+    settings.depthOfField = settings.motionBlur = settings.fog = settings.glossyReflections = settings.indirectLight = true;
+    settings.maxReflections = 4;
+    settings.fogSamples = settings.shadowSamples = 2;
+    auto gpu = makeVulkanDevice("", checked());
+    auto cpu = makeEmbreeDevice();
+    gpu->load(scene, settings, {});
+    cpu->load(scene, settings, {});
+    FrameRequest request = requestFor(*scene, settings, {67, 45});
+    request.camera = checkedCamera(cameraFrom(test::zooCamera()));
+    request.previousCamera = request.camera;
+    request.previousCamera->position.x -= 0.1f;
+    EXPECT_EQ(std::popcount(request.effects.bits >> 16), 6) << "all of kernel/effects";
+    // A pixel in a thousand may hang on which of two triangles a ray meets at their common edge.
+    EXPECT_LE(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 3u);
 }
 
 TEST_F(Vulkan, CountsTheRaysThatEmbreeCounts) {
@@ -402,6 +424,9 @@ TEST(PathStack, HoldsTheWorstBranchingAndNoMoreThanNeeded) {
     // Eight refractions that each leave a reflection waiting, and the last pair.
     EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS}, settings), 16u);
     EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND}, settings), 40u);
+    EXPECT_EQ(pathStackSize(EffectSet{EFFECT_INDIRECT_LIGHT}, settings), 1u);
+    // Ten surfaces before the first bounce leave one each.
+    EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_INDIRECT_LIGHT}, settings), 24u);
 }
 
 TEST(BatchSize, FollowsTheMeasuredRateWithinItsBounds) {
