@@ -114,7 +114,10 @@ int runRender(const RenderOptions& options, std::ostream& out) {
         result.ms.load = watch.milliseconds();
         const Camera camera = chosenCamera(*scene, options.camera, given);
         std::optional<Camera> previous;
-        if (!options.previousCamera.empty()) previous = chosenCamera(*scene, options.previousCamera, given);
+        if (!options.previousCamera.empty()) {
+            GivenSettings apart = given;  // the picture keeps its own field of view
+            previous = chosenCamera(*scene, options.previousCamera, apart, "--previous-camera");
+        }
 
         watch.restart();
         std::unique_ptr<Device> device = makeDevice(given.settings);

@@ -91,7 +91,7 @@ uvec2 renderedSize(uvec2 size, const Settings& settings) {
     return {scaled(size.x), scaled(size.y)};
 }
 
-Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given) {
+Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option) {
     std::string names;
     for (const NamedCamera& candidate : scene.cameras) {
         if (name.empty() || candidate.name == name) {
@@ -102,7 +102,7 @@ Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& 
         }
         names += (names.empty() ? "" : ", ") + candidate.name;
     }
-    throw InputError("--camera", "the scene has no '" + name + "'", names);
+    throw InputError(option, "the scene has no '" + name + "'", names);
 }
 
 }  // namespace heliograph

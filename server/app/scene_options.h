@@ -50,6 +50,6 @@ uvec2 parsedSize(const std::string& text);
 uvec2 renderedSize(uvec2 size, const Settings& settings);
 /// The scene's camera of that name, or its first for "". A fieldOfView that was named replaces the camera's, else the
 /// setting takes over the camera's. Throws InputError that lists the names.
-Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given);
+Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option = "--camera");
 
 }  // namespace heliograph

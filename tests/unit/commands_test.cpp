@@ -137,6 +137,8 @@ TEST_F(CommandsTest, UnknownScenesAndCamerasAreNamed) {
     expectRefused({"inspect", file("missing.glb")}, {"missing.glb"});
     expectRefused({"render", "cornell", "--out", file("a.png"), "--camera", "backstage"},
                   {"--camera: the scene has no 'backstage'; allowed: "});
+    expectRefused({"render", "cornell", "--out", file("a.png"), "--previous-camera", "backstage"},
+                  {"--previous-camera: the scene has no 'backstage'; allowed: Front, "});
     EXPECT_TRUE(fs::is_empty(folder_));
 }
 
