@@ -14,24 +14,32 @@ struct Usage {
     const Scene& scene;
     std::vector<uint64_t> trianglesOf;  // by material, over all instances
     std::vector<bool> coloured;         // by material: a vertex of its triangles is not white
+    std::vector<uint8_t> met;           // by material: MET_* bits of the meshes that its triangles are in
     uint64_t triangles = 0;
 
+    static constexpr uint8_t MET_MASKED = 1, MET_TRANSPARENT = 2, MET_TANGENTS = 4;
+
     explicit Usage(const Scene& s)
-        : scene(s), trianglesOf(s.materials.size(), 0), coloured(s.materials.size(), false) {
+        : scene(s), trianglesOf(s.materials.size(), 0), coloured(s.materials.size(), false), met(s.materials.size(), 0) {
         std::vector<uint64_t> uses(s.meshes.size(), 0);
         for (const Instance& instance : s.instances) uses[instance.mesh]++;
         for (size_t m = 0; m < s.meshes.size(); m++) {
-            const Mesh& mesh = s.meshes[m];
-            if (uses[m] == 0) continue;
-            for (uint32_t t = 0; t < mesh.triangleCount; t++) {
-                uvec4 triangle = s.triangles[mesh.firstTriangle + t];
-                trianglesOf[triangle.w] += uses[m];
-                triangles += uses[m];
-                if (s.attributes[triangle.x].color != 0xffffffffu || s.attributes[triangle.y].color != 0xffffffffu ||
-                    s.attributes[triangle.z].color != 0xffffffffu) {
-                    coloured[triangle.w] = true;
-                }
-            }
+            if (uses[m] > 0) add(s.meshes[m], uses[m]);
+        }
+    }
+
+private:
+    void add(const Mesh& mesh, uint64_t uses) {
+        auto white = [&](uint32_t vertex) { return scene.attributes[vertex].color == 0xffffffffu; };
+        uint8_t kinds = mesh.hasTangents != 0 ? MET_TANGENTS : 0;
+        if (mesh.opacity == OPACITY_MASKED) kinds |= MET_MASKED;
+        if (mesh.opacity == OPACITY_TRANSPARENT) kinds |= MET_TRANSPARENT;
+        triangles += uses * mesh.triangleCount;
+        for (uint32_t t = 0; t < mesh.triangleCount; t++) {
+            const uvec4 triangle = scene.triangles[mesh.firstTriangle + t];
+            trianglesOf[triangle.w] += uses;
+            met[triangle.w] |= kinds;
+            if (!white(triangle.x) || !white(triangle.y) || !white(triangle.z)) coloured[triangle.w] = true;
         }
     }
 };
@@ -92,68 +100,104 @@ bool usesSecondUv(const Scene& scene, const Material& m) {
 bool lit(const Material& m) { return (m.flags & MATERIAL_UNLIT) == 0; }
 bool phong(const Material& m) { return (m.flags & MATERIAL_PHONG) != 0; }
 
+/// Of the texels of a slot's image at full size, `wanted` of one of them; for channels that mean a number (0: red).
+bool anyTexel(const Scene& scene, uint32_t texture, const std::function<bool(uint32_t texel)>& wanted) {
+    const ImageLevel& level = scene.imageLevels[scene.images[scene.textures[texture].image].firstLevel];
+    const uint32_t* first = scene.texels.data() + level.firstTexel;
+    return std::any_of(first, first + static_cast<size_t>(level.width) * level.height, wanted);
+}
+
+/// The texture may be brighter than black in a colour channel that `mask` picks. Asks the 1x1 level first: a mean that is
+/// not black needs no search.
+bool notBlack(const Scene& scene, uint32_t texture, uint32_t mask) {
+    if (texture == NO_INDEX) return true;
+    const Image& image = scene.images[scene.textures[texture].image];
+    if (image.format == IMAGE_RGB9E5) mask = 0x07ffffffu;  // the mantissas
+    const ImageLevel& last = scene.imageLevels[image.firstLevel + image.levelCount - 1];
+    if ((scene.texels[last.firstTexel] & mask) != 0) return true;
+    return anyTexel(scene, texture, [mask](uint32_t texel) { return (texel & mask) != 0; });
+}
+
 /// Lets light through; a full metal never does.
-bool transmits(const Material& m) {
+bool transmits(const Scene& scene, const Material& m) {
     bool metal = !phong(m) && m.metallic >= 1.0f && m.metallicRoughnessTexture == NO_INDEX;
-    return lit(m) && m.transmission > 0.0f && !metal;
+    return lit(m) && m.transmission > 0.0f && !metal && notBlack(scene, m.transmissionTexture, 0xffu);
 }
 
-/// The smallest roughness that the material shows: factor times the least green texel of its texture.
-float leastRoughness(const Scene& scene, const Material& m) {
-    if (m.metallicRoughnessTexture == NO_INDEX) return m.roughness;
-    const Image& image = scene.images[scene.textures[m.metallicRoughnessTexture].image];
-    if (image.format == IMAGE_RGB9E5) return 0.0f;
-    const ImageLevel& level = scene.imageLevels[image.firstLevel];
-    uint32_t least = 255;
-    for (uint64_t i = 0; i < static_cast<uint64_t>(level.width) * level.height; i++) {
-        least = std::min(least, (scene.texels[level.firstTexel + i] >> 8) & 255u);
-    }
-    return m.roughness * static_cast<float>(least) / 255.0f;
+/// Whether some point of the material is smoother than `limit`: roughness is the factor times the green texel.
+bool smootherThan(const Scene& scene, const Material& m, float limit) {
+    if (m.roughness < limit) return true;
+    if (m.metallicRoughnessTexture == NO_INDEX) return false;
+    if (scene.images[scene.textures[m.metallicRoughnessTexture].image].format == IMAGE_RGB9E5) return true;
+    return anyTexel(scene, m.metallicRoughnessTexture, [&](uint32_t texel) {
+        return m.roughness * static_cast<float>((texel >> 8) & 255u) / 255.0f < limit;
+    });
 }
 
-/// Whether the kernel would follow a mirror ray from it (material.glsl: traceableShare is 0 from roughness 0.4).
+constexpr float LEAST_MIRROR = 0.01f;   // constant reflectance of MTL below which no ray is worth it
+constexpr float ROUGHEST_MIRROR = 0.4f; // material.glsl: traceableShare is 0 from there
+
+bool glows(const Scene& scene, const Material& m) {
+    bool factor = m.emission.x > 0.0f || m.emission.y > 0.0f || m.emission.z > 0.0f;
+    return factor && notBlack(scene, m.emissionTexture, 0xffffffu);
+}
+
+/// A normal or bump image that is seen: unlit surfaces look the same whatever their normal.
+bool bumpy(const Material& m) { return m.normalTexture != NO_INDEX && lit(m); }
+
+bool shines(const Light& light) { return light.intensity.x > 0.0f || light.intensity.y > 0.0f || light.intensity.z > 0.0f; }
+
+/// Whether the kernel would follow a mirror ray from it.
 bool reflects(const Scene& scene, const Material& m) {
     if (!lit(m)) return false;
-    if (m.mirror > 0.01f || transmits(m)) return true;
+    if (m.mirror > LEAST_MIRROR || (m.ior != 1.0f && transmits(scene, m))) return true;
     if (phong(m)) return false;
     bool metal = m.metallic > 0.0f;
     bool tinted = m.specular.x > 0.0f || m.specular.y > 0.0f || m.specular.z > 0.0f;
     bool dielectric = m.ior != 1.0f && tinted;
-    return (metal || dielectric) && leastRoughness(scene, m) < 0.4f;
+    return (metal || dielectric) && smootherThan(scene, m, ROUGHEST_MIRROR);
 }
 
 /// Whether it reflects blurred: neither a mirror nor too rough to be followed.
 bool glossy(const Scene& scene, const Material& m) {
-    return !phong(m) && !transmits(m) && m.roughness > 0.0f && reflects(scene, m);
+    return !phong(m) && !transmits(scene, m) && m.roughness > 0.0f && reflects(scene, m);
 }
 
 Finding shadowsIn(const Usage& usage) {
     const Scene& scene = usage.scene;
     if (scene.lights.empty()) return {false, "no light"};
+    if (std::none_of(scene.lights.begin(), scene.lights.end(), shines)) return {false, "every light is black"};
     if (usage.triangles == 0) return {false, "no triangles"};
     static const char* const KINDS[] = {"point", "spot", "directional", "headlight", "quad"};
     std::string kinds;
+    size_t shining = 0;
     for (uint32_t type = 0; type < std::size(KINDS); type++) {
-        auto number = std::count_if(scene.lights.begin(), scene.lights.end(), [&](const Light& l) { return l.type == type; });
+        auto number = std::count_if(scene.lights.begin(), scene.lights.end(),
+                                    [&](const Light& l) { return l.type == type && shines(l); });
         if (number > 0) kinds += (kinds.empty() ? "" : ", ") + std::to_string(number) + " " + KINDS[type];
+        shining += static_cast<size_t>(number);
     }
-    return {true, counted(scene.lights.size(), "light") + " (" + kinds + ")"};
+    return {true, counted(shining, "light") + " (" + kinds + ")"};
+}
+
+/// Blended, and somewhere less than solid.
+bool blends(const Usage& usage, uint32_t m) {
+    return (usage.scene.materials[m].flags & MATERIAL_ALPHA_BLEND) != 0 && (usage.met[m] & Usage::MET_TRANSPARENT) != 0;
 }
 
 Finding softShadowsIn(const Usage& usage) {
     const auto& lights = usage.scene.lights;
     if (usage.triangles == 0) return {false, "no triangles"};
-    auto wide = std::count_if(lights.begin(), lights.end(), [](const Light& l) { return l.radius > 0.0f || l.type == LIGHT_QUAD; });
+    auto wide = std::count_if(lights.begin(), lights.end(), [](const Light& l) { return shines(l) && (l.radius > 0.0f || l.type == LIGHT_QUAD); });
     if (wide == 0) return {false, "no light has an extent"};
     return {true, counted(static_cast<uint64_t>(wide), "light") + " with an extent"};
 }
 
 Finding transparentShadowsIn(const Usage& usage) {
-    if (usage.scene.lights.empty()) return {false, "no light"};
-    return byMaterial(usage, "no surface lets light through", [&](uint32_t m) {
-        const Material& material = usage.scene.materials[m];
-        return transmits(material) || (material.flags & MATERIAL_ALPHA_BLEND) != 0;
-    });
+    Finding light = shadowsIn(usage);
+    if (!light.calledFor) return light;
+    return byMaterial(usage, "no surface lets light through",
+                      [&](uint32_t m) { return transmits(usage.scene, usage.scene.materials[m]) || blends(usage, m); });
 }
 
 Finding environmentIn(const Usage& usage) {
@@ -164,10 +208,9 @@ Finding environmentIn(const Usage& usage) {
 }
 
 Finding tangentsIn(const Usage& usage) {
-    const auto& meshes = usage.scene.meshes;
-    auto with = std::count_if(meshes.begin(), meshes.end(), [](const Mesh& mesh) { return mesh.hasTangents != 0; });
-    if (with == 0) return {false, "no mesh stores tangents"};
-    return {true, counted(static_cast<uint64_t>(with), "tangent array")};
+    return byMaterial(usage, "no normal or bump image on a mesh with tangents", [&](uint32_t m) {
+        return bumpy(usage.scene.materials[m]) && (usage.met[m] & Usage::MET_TANGENTS) != 0;
+    });
 }
 
 Finding instancingIn(const Usage& usage) {
@@ -189,7 +232,7 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
         case EFFECT_REFLECTIONS: 
             return material("no mirror, glass or smooth surface", [&](const Material& m) { return reflects(usage.scene, m); });
         case EFFECT_REFRACTIONS:
-            return material("no transmissive material", transmits);
+            return material("no transmissive material", [&](const Material& m) { return transmits(usage.scene, m); });
         case EFFECT_AMBIENT_OCCLUSION:
         case EFFECT_DEPTH_OF_FIELD:
         case EFFECT_FOG:
@@ -200,22 +243,22 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
         case EFFECT_ENVIRONMENT_IMAGE: return environmentIn(usage);
         case EFFECT_TEXTURES: return material("no material has a texture", hasTexture);
         case EFFECT_NORMAL_MAPS:
-            return material("no normal or bump image", [](const Material& m) { return m.normalTexture != NO_INDEX; });
+            return material("no normal or bump image", bumpy);
         case EFFECT_VERTEX_COLORS:
             return byMaterial(usage, "every vertex is white", [&](uint32_t m) { return bool(usage.coloured[m]); });
         case EFFECT_ALPHA_MASK:
-            return material("no cut-out material", [](const Material& m) { return (m.flags & MATERIAL_ALPHA_MASK) != 0; });
+            return byMaterial(usage, "no cut-out material",
+                              [&](uint32_t m) { return (usage.met[m] & Usage::MET_MASKED) != 0; });
         case EFFECT_ALPHA_BLEND:
-            return material("no blended material", [](const Material& m) { return (m.flags & MATERIAL_ALPHA_BLEND) != 0; });
+            return byMaterial(usage, "no blended material", [&](uint32_t m) { return blends(usage, m); });
         case EFFECT_ABSORPTION:
-            return material("no body that absorbs", [](const Material& m) {
+            return material("no body that absorbs", [&](const Material& m) {
                 vec4 a = m.absorption;
-                return (m.flags & MATERIAL_VOLUME) != 0 && transmits(m) && (a.x > 0.0f || a.y > 0.0f || a.z > 0.0f);
+                bool body = (m.flags & MATERIAL_VOLUME) != 0 && transmits(usage.scene, m);
+                return body && (a.x > 0.0f || a.y > 0.0f || a.z > 0.0f);
             });
         case EFFECT_EMISSION:
-            return material("nothing glows", [](const Material& m) {
-                return m.emission.x > 0.0f || m.emission.y > 0.0f || m.emission.z > 0.0f;
-            });
+            return material("nothing glows", [&](const Material& m) { return glows(usage.scene, m); });
         case EFFECT_INSTANCING: return instancingIn(usage);
         case EFFECT_TANGENTS: return tangentsIn(usage);
         case EFFECT_SECOND_UV:
@@ -234,10 +277,10 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
 std::vector<EffectReason> explainEffects(const Scene& scene) {
     const Usage usage(scene);
     std::vector<EffectReason> reasons;
-#define EFFECT(bit, CONSTANT, name, setting, help)                    \
-    {                                                                 \
-        Finding finding = findingFor(CONSTANT, usage);                \
-        reasons.push_back({name, CONSTANT, finding.calledFor, finding.because}); \
+#define EFFECT(bit, CONSTANT, name, setting, help)                                              \
+    {                                                                                           \
+        Finding finding = findingFor(CONSTANT, usage);                                          \
+        reasons.push_back({name, CONSTANT, finding.calledFor, finding.because, setting, help}); \
     }
 #include "shaders/kernel/effect_table.glsl"
 #undef EFFECT

@@ -18,6 +18,8 @@ struct EffectReason {
     uint32_t bit = 0;
     bool calledFor = false;
     std::string because;  // which material, light or image, and how many triangles; or what is lacking
+    std::string setting;  // that switches it, or ""
+    std::string help;
 };
 
 /// One row per effect of the table.

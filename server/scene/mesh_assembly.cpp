@@ -140,10 +140,11 @@ private:
         return std::any_of(mesh.colors.begin(), mesh.colors.end(), [](vec4 c) { return c.w < 1.0f; });
     }
 
-    /// Vertex alpha makes a blended material transparent that would be solid by itself.
+    /// Vertex alpha makes holes in a blended or cut-out material that would be solid by itself.
     uint32_t classOf(const MeshData& mesh, size_t triangle, bool alphaColors) const {
-        const uint32_t material = materialOf(mesh, triangle);
-        if (alphaColors && (scene_.materials[material].flags & MATERIAL_ALPHA_BLEND) != 0) return OPACITY_TRANSPARENT;
+        const uint32_t material = materialOf(mesh, triangle), flags = scene_.materials[material].flags;
+        if (alphaColors && (flags & MATERIAL_ALPHA_BLEND) != 0) return OPACITY_TRANSPARENT;
+        if (alphaColors && (flags & MATERIAL_ALPHA_MASK) != 0 && opacity_[material] == OPACITY_OPAQUE) return OPACITY_MASKED;
         return opacity_[material];
     }
 
@@ -319,8 +320,8 @@ std::vector<uint32_t> opacityClasses(const Scene& scene, const std::vector<bool>
     std::vector<uint32_t> classes;
     for (const Material& m : scene.materials) {
         uint32_t opacity = OPACITY_OPAQUE;
-        if ((m.flags & MATERIAL_ALPHA_MASK) != 0) opacity = OPACITY_MASKED;
         const bool partial = m.baseColor.w < 1.0f || hasAlpha(m.baseTexture) || m.opacityTexture != NO_INDEX;
+        if ((m.flags & MATERIAL_ALPHA_MASK) != 0 && (partial || m.alphaCutoff > 1.0f)) opacity = OPACITY_MASKED;
         if ((m.flags & MATERIAL_ALPHA_BLEND) != 0 && partial) opacity = OPACITY_TRANSPARENT;
         if (m.transmission > 0.0f) opacity = OPACITY_TRANSPARENT;
         classes.push_back(opacity);

@@ -121,7 +121,8 @@ Shading shadingAt(IN(Surface) s) {
     if (HAS(EFFECT_TEXTURES)) applyTextures(r, metallic, s);
     r.ior = MATERIAL(s.material, ior);
     r.mirror = MATERIAL(s.material, mirror);
-    r.alpha = SELECT((r.flags & MATERIAL_ALPHA_BLEND) != 0u, saturate(base.w), 1.0f);
+    r.alpha = 1.0f;
+    if (HAS(EFFECT_ALPHA_BLEND)) r.alpha = SELECT((r.flags & MATERIAL_ALPHA_BLEND) != 0u, saturate(base.w), 1.0f);
     vec3 color = pointOf(base);
     r.tint = pointOf(MATERIAL(s.material, transmissionTint));
     // glTF 2.0, appendix B: dielectrics reflect ((ior - 1) / (ior + 1))^2, metals their base colour. ior 0 stands for a

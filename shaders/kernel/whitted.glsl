@@ -332,7 +332,9 @@ uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, IN
     vec3 solid = throughput * m.alpha;
     vec3 reflected = solid * split.reflected;
     if (ANY(maxComponent(reflected) > 0.0f)) next = next | followReflection(p, s, m, reflected, reflection, radiance);
-    if (ANY(m.alpha < 1.0f)) next = next | followPass(p, s, throughput * (1.0f - m.alpha), pass, radiance);
+    if (HAS(EFFECT_ALPHA_BLEND)) {
+        if (ANY(m.alpha < 1.0f)) next = next | followPass(p, s, throughput * (1.0f - m.alpha), pass, radiance);
+    }
     vec3 transmitted = solid * m.tint * split.transmitted;
     if (ANY(maxComponent(transmitted) > 0.0f))
         next = next | followRefraction(p, s, m, transmitted, split.eta, split.cosI, split.cosT, refraction, radiance);

@@ -52,6 +52,23 @@ TEST(TransparentShadow, TintedPanesMultiplyTheirColours) {
     }
 }
 
+TEST(TransparentShadow, WithoutTheEffectEverySurfaceCastsAFullShadow) {
+    SceneBuilder builder = darkness();
+    place(builder, ground(50.0f, builder.addMaterial(paint(vec3(1.0f)), "white")));
+    place(builder, sheet(2.0f, builder.addMaterial(blend(vec3(1, 0, 0), 0.25f), "sheet")));
+    builder.addLight(sun(vec3(0, -1, 0), vec3(float(EXACT_PI))));
+    const auto scene = builder.finish();
+    cpu().load(scene, {}, {});
+    FrameRequest request = frameRequest(*scene, lookAt(vec3(0, 1, 5), vec3(0.0f), 5.0f), {}, uvec2(9, 9), 1);
+    ASSERT_TRUE(request.effects.has(EFFECT_TRANSPARENT_SHADOWS));
+    request.effects.bits &= ~EFFECT_TRANSPARENT_SHADOWS;
+    Film film;
+    std::vector<vec4> pixels;
+    renderFrame(cpu(), request, 1, film);
+    film.develop(pixels);
+    EXPECT_EQ(vec3(pixels[40]), vec3(0.0f));
+}
+
 TEST(TransparentShadow, ManyPanesAreAllCounted) {
     const std::vector<Material> panes(12, tinted(vec3(0.9f, 0.5f, 1.0f)));
     const vec3 light = lightUnder(panes);

@@ -20,7 +20,7 @@ struct Bench {
     Bench() {
         environment.image = NO_INDEX;
         environment.color = environment.ambient[0] = vec4(1.0f, 1.0f, 1.0f, 0.0f);
-        kernel.frame.effects = EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ABSORPTION | EFFECT_EMISSION;
+        kernel.frame.effects = EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ABSORPTION | EFFECT_EMISSION | EFFECT_ALPHA_BLEND;
         kernel.frame.maxReflections = 4;
         kernel.frame.maxRefractions = 4;
     }

@@ -119,6 +119,7 @@ TEST(SceneBuilder, SplitsByOpacity) {
     SceneBuilder builder("t");
     Material masked = SceneBuilder::defaultMaterial(), glass = masked;
     masked.flags = MATERIAL_ALPHA_MASK;
+    masked.baseColor.w = 0.4f;
     glass.transmission = 1.0f;
     MeshData mesh = square();
     mesh.indices.push_back({0, 1, 3});
@@ -134,6 +135,26 @@ TEST(SceneBuilder, SplitsByOpacity) {
     EXPECT_EQ(scene->triangles[0], uvec4(0, 2, 3, 0));
     EXPECT_EQ(scene->triangles[1], uvec4(0, 1, 3, 2));
     EXPECT_EQ(scene->triangles[2], uvec4(0, 1, 2, 1));
+}
+
+TEST(SceneBuilder, OnlyWhatCanHaveHolesIsAskedForThem) {
+    auto opacity = [](const std::function<void(Material&)>& change, float vertexAlpha = 1.0f) {
+        SceneBuilder builder("t");
+        Material material = SceneBuilder::defaultMaterial();
+        change(material);
+        MeshData mesh = square();
+        mesh.materials.assign(mesh.indices.size(), builder.addMaterial(material, "m"));
+        mesh.colors.assign(mesh.positions.size(), vec4(1.0f, 1.0f, 1.0f, vertexAlpha));
+        builder.addInstance(builder.addMesh(mesh), mat4(1.0f));
+        return builder.finish()->meshes.at(0).opacity;
+    };
+    auto masked = [](Material& m) { m.flags = MATERIAL_ALPHA_MASK; };
+    EXPECT_EQ(opacity(masked), OPACITY_OPAQUE) << "alpha is 1 everywhere";
+    EXPECT_EQ(opacity(masked, 0.3f), OPACITY_MASKED);
+    EXPECT_EQ(opacity([](Material& m) { m.flags = MATERIAL_ALPHA_MASK, m.baseColor.w = 0.4f; }), OPACITY_MASKED);
+    EXPECT_EQ(opacity([](Material& m) { m.flags = MATERIAL_ALPHA_MASK, m.alphaCutoff = 1.5f; }), OPACITY_MASKED);
+    EXPECT_EQ(opacity([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; }), OPACITY_OPAQUE);
+    EXPECT_EQ(opacity([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; }, 0.3f), OPACITY_TRANSPARENT);
 }
 
 TEST(SceneBuilder, DropsWhatCannotBeTracedAndCountsIt) {

@@ -115,12 +115,85 @@ TEST(EffectSet, TransmissionCallsForRefractionsAndCoarserThings) {
 }
 
 TEST(EffectSet, AlphaAndEmission) {
-    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_MASK; }, EFFECT_ALPHA_MASK));
-    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_MASK; }, EFFECT_ALPHA_BLEND));
+    auto cut = [](Material& m) { m.flags = MATERIAL_ALPHA_MASK, m.baseColor.w = 0.2f; };
+    EXPECT_TRUE(calls(cut, EFFECT_ALPHA_MASK));
+    EXPECT_FALSE(calls(cut, EFFECT_ALPHA_BLEND));
+    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_MASK; }, EFFECT_ALPHA_MASK)) << "no hole anywhere";
+    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; }, EFFECT_ALPHA_BLEND)) << "solid everywhere";
+    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; }, EFFECT_TRANSPARENT_SHADOWS));
     EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; m.baseColor.w = 0.5f; }, EFFECT_ALPHA_BLEND));
     EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; m.baseColor.w = 0.5f; }, EFFECT_TRANSPARENT_SHADOWS));
     EXPECT_TRUE(calls([](Material& m) { m.emission = vec4(0, 0, 2, 0); }, EFFECT_EMISSION));
     EXPECT_FALSE(calls({}, EFFECT_EMISSION));
+}
+
+/// A lit square whose material uses `image` as `change` says.
+std::shared_ptr<const Scene> withImage(const ImageData& image, const std::function<void(Material&, uint32_t)>& change,
+                                       MeshData mesh = square()) {
+    SceneBuilder builder = litBuilder();
+    Material material = SceneBuilder::defaultMaterial();
+    change(material, builder.addTexture(SceneBuilder::defaultTexture(builder.addImage(image))));
+    mesh.materials.assign(mesh.indices.size(), builder.addMaterial(material, "pictured"));
+    builder.addInstance(builder.addMesh(mesh), mat4(1.0f));
+    return builder.finish();
+}
+
+TEST(EffectSet, BlackImagesTakeGlowAndTransmissionAway) {
+    auto glow = [](Material& m, uint32_t t) { m.emission = vec4(1.0f, 1.0f, 1.0f, 0.0f), m.emissionTexture = t; };
+    EXPECT_FALSE(effectsOf(*withImage(plainImage(0, 0, 0), glow)).has(EFFECT_EMISSION));
+    ImageData speck;  // one texel of 4,096: the 1x1 level rounds it to black
+    speck.width = speck.height = 64;
+    speck.rgba8.assign(64 * 64 * 4, 0);
+    speck.rgba8[4 * 2081 + 1] = 9;
+    EXPECT_TRUE(effectsOf(*withImage(speck, glow)).has(EFFECT_EMISSION));
+    auto clear = [](Material& m, uint32_t t) { m.transmission = 1.0f, m.roughness = 1.0f, m.transmissionTexture = t; };
+    EXPECT_FALSE(effectsOf(*withImage(plainImage(0, 200, 200), clear)).has(EFFECT_REFRACTIONS)) << "red counts";
+    EXPECT_FALSE(effectsOf(*withImage(plainImage(0, 200, 200), clear)).has(EFFECT_REFLECTIONS));
+    EXPECT_TRUE(effectsOf(*withImage(plainImage(1, 0, 0), clear)).has(EFFECT_REFRACTIONS));
+}
+
+TEST(EffectSet, GlassThatBendsNothingReflectsNothing) {
+    auto sheet = [](Material& m) { m.transmission = 1.0f, m.ior = 1.0f, m.roughness = 0.0f; };
+    EXPECT_TRUE(calls(sheet, EFFECT_REFRACTIONS));
+    EXPECT_FALSE(calls(sheet, EFFECT_REFLECTIONS));
+}
+
+TEST(EffectSet, NormalImagesOfUnlitSurfacesDoNotCount) {
+    auto bumpy = [](Material& m, uint32_t t) { m.normalTexture = t; };
+    auto scene = withImage(plainImage(128, 128, 255), bumpy);
+    EXPECT_TRUE(effectsOf(*scene).has(EFFECT_NORMAL_MAPS));
+    auto unlit = [](Material& m, uint32_t t) { m.normalTexture = t, m.flags = MATERIAL_UNLIT; };
+    EXPECT_FALSE(effectsOf(*withImage(plainImage(128, 128, 255), unlit)).has(EFFECT_NORMAL_MAPS));
+}
+
+TEST(EffectSet, TangentsCountWhereANormalImageUsesThem) {
+    MeshData mesh = square();
+    mesh.tangents.assign(mesh.positions.size(), vec4(1, 0, 0, 1));
+    auto bumpy = [](Material& m, uint32_t t) { m.normalTexture = t; };
+    auto painted = [](Material& m, uint32_t t) { m.baseTexture = t; };
+    auto with = withImage(plainImage(128, 128, 255), bumpy, mesh);
+    EXPECT_EQ(reasonFor(*with, EFFECT_TANGENTS).because, "1 material (pictured), 2 triangles");
+    EXPECT_FALSE(effectsOf(*withImage(plainImage(128, 128, 255), painted, mesh)).has(EFFECT_TANGENTS));
+}
+
+TEST(EffectSet, BlackLightsCastNoShadows) {
+    SceneBuilder builder("dark");
+    Light black{};
+    black.type = LIGHT_POINT;
+    builder.addLight(black);
+    builder.addInstance(builder.addMesh(square()), mat4(1.0f));
+    auto scene = builder.finish();
+    EXPECT_FALSE(effectsOf(*scene).has(EFFECT_SHADOWS));
+    EXPECT_EQ(reasonFor(*scene, EFFECT_SHADOWS).because, "every light is black");
+    EXPECT_EQ(reasonFor(*scene, EFFECT_TRANSPARENT_SHADOWS).because, "every light is black");
+    EXPECT_EQ(reasonFor(*squareScene(), EFFECT_SHADOWS).because, "1 light (1 directional)");
+}
+
+TEST(EffectSet, RowsNameTheirSwitch) {
+    std::vector<EffectReason> rows = explainEffects(*squareScene());
+    EXPECT_EQ(rows.at(0).setting, "shadows");
+    EXPECT_EQ(rows.at(6).setting, "") << "textures have none";
+    for (const EffectReason& row : rows) EXPECT_FALSE(row.help.empty()) << row.name;
 }
 
 TEST(EffectSet, VertexColoursCountWhereOneIsNotWhite) {
