@@ -183,6 +183,16 @@ void expectSameFromAllPrograms(const std::shared_ptr<const Scene>& scene, const 
     rtcReleaseDevice(device);
 }
 
+TEST(InstructionSets, AnEffectWithoutCodeIsRefused) {
+    const TileProgramRow rows[] = {{EFFECT_SHADOWS, nullptr}, {~EFFECT_ALPHA_MASK, nullptr}};
+    const TileProgramTable table{"test", rows, 2, EFFECT_TEXTURES};
+    EXPECT_EQ(chooseTileProgram(table, EFFECT_SHADOWS), 0u);
+    EXPECT_EQ(chooseTileProgram(table, EFFECT_REFLECTIONS), 1u);
+    EXPECT_THROW(chooseTileProgram(table, EFFECT_SHADOWS | EFFECT_TEXTURES), std::runtime_error);
+    EXPECT_THROW(chooseTileProgram(table, EFFECT_ALPHA_MASK), std::runtime_error);
+    EXPECT_EQ(tileProgramTable().leftOut, 0u) << "this build measures something and is not for use";
+}
+
 TEST(InstructionSets, GiveTheSameBitsInTheMaterialZoo) { expectSameFromAllPrograms(zoo(), cameraFrom(zooCamera()), busy()); }
 
 TEST(InstructionSets, GiveTheSameBitsWithEveryEffectOn) {

@@ -44,6 +44,7 @@ struct TileProgramTable {
     const char* instructionSet;
     const TileProgramRow* rows;
     uint32_t count;
+    uint32_t leftOut;  // EFFECT_* bits that no row has code for, whatever it says (HELIOGRAPH_WITHOUT_EFFECTS of CMakeLists.txt)
 };
 
 /// What transparent surfaces leave of the light along a shadow ray that nothing opaque blocks. Walks from surface to

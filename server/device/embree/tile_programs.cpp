@@ -1,7 +1,10 @@
 #include "server/device/embree/tile_programs.h"
 
+#include "server/render/effect_set.h"
+
 #include <bit>
 #include <cstdlib>
+#include <stdexcept>
 #include <string_view>
 
 namespace heliograph {
@@ -29,6 +32,11 @@ const TileProgramTable& tileProgramTable() {
 
 uint32_t chooseTileProgram(const TileProgramTable& table, uint32_t effects) {
     uint32_t best = table.count - 1;
+    if (uint32_t lacking = effects & (table.leftOut | ~table.rows[best].effects)) {
+        std::string names;
+        for (const std::string& name : effectNames({lacking})) names += " " + name;
+        throw std::runtime_error("embree: this build was made without" + names);
+    }
     for (uint32_t i = 0; i < table.count; i++)
         if ((effects & ~table.rows[i].effects) == 0
             && std::popcount(table.rows[i].effects) < std::popcount(table.rows[best].effects))

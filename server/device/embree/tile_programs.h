@@ -8,7 +8,7 @@ namespace heliograph {
 /// The table for this processor. HELIOGRAPH_ISA=v2|v3|v4 asks for another one that the processor can run.
 const TileProgramTable& tileProgramTable();
 
-/// Index of the program with the fewest effects that can do `effects`.
+/// Index of the program with the fewest effects that can do `effects`. Throws std::runtime_error if none can.
 uint32_t chooseTileProgram(const TileProgramTable& table, uint32_t effects);
 
 }  // namespace heliograph

@@ -23,7 +23,7 @@ private:
 
 template <uint32_t EFFECTS>
 TileProgram* makeProgram() {
-    return new CompiledProgram<EFFECTS>();
+    return new CompiledProgram<EFFECTS & ~HELIOGRAPH_EFFECTS_LEFT_OUT>();
 }
 
 constexpr uint32_t PLAIN = EFFECT_SHADOWS | EFFECT_TEXTURES | EFFECT_ENVIRONMENT_IMAGE | EFFECT_EMISSION;
@@ -46,6 +46,6 @@ constexpr TileProgramRow ROWS[] = {
 }  // namespace
 
 extern const TileProgramTable PROGRAM_TABLE;
-const TileProgramTable PROGRAM_TABLE = {HELIOGRAPH_ISA_NAME, ROWS, sizeof(ROWS) / sizeof(ROWS[0])};
+const TileProgramTable PROGRAM_TABLE = {HELIOGRAPH_ISA_NAME, ROWS, sizeof(ROWS) / sizeof(ROWS[0]), HELIOGRAPH_EFFECTS_LEFT_OUT};
 
 }  // namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE

@@ -367,6 +367,7 @@ private:
 
     void traceShadows(ShadowQueue& queue) {
         bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0;
+        bool coloured = (EFFECTS & kernel_.frame.effects & EFFECT_TRANSPARENT_SHADOWS) != 0;  // else as if opaque
         TraceMode how{mode().width, !secondary_ && job_.coherentShadows};
         if (traced) count(RayKind::shadow, queue.count);
         for (uint32_t first = 0; first < queue.count; first += PACKET) {
@@ -376,6 +377,7 @@ private:
             uint32_t passed = 0;
             if (traced) {
                 blocked = traceOccluded(job_.rtcScene, packet, rays, how, passed);
+                if (!coloured) blocked |= passed;
                 passed &= ~blocked;
             }
             for (uint32_t i = 0; i < rays; i++) {
