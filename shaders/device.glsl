@@ -10,7 +10,11 @@
 #define FETCH_ARRAYS
 #endif
 #define MET(variety) ((VARIETIES & (variety)) != 0u)
+#ifndef LEFT_OUT  // effects without code, for tests/check_specialisation.sh
 #define HAS(effect) ((EFFECTS & (effect)) != 0u)
+#else
+#define HAS(effect) ((EFFECTS & ~LEFT_OUT & (effect)) != 0u)
+#endif
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"
 #include "kernel/buffers.glsl"

@@ -105,8 +105,10 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surfa
             visible++;
             continue;
         }
-        if (HAS(EFFECT_TRANSPARENT_SHADOWS) && (found & FOUND_TRANSPARENT) != 0u)
+        if ((found & FOUND_TRANSPARENT) != 0u) {
+            if (!HAS(EFFECT_TRANSPARENT_SHADOWS)) continue;  // as if opaque
             r.contribution = r.contribution * transmittance(r.ray);
+        }
         radiance = radiance + r.contribution;
     }
     if (occlusion) radiance = radiance + ambient * occlusionVisibility(visible);

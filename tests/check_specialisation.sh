@@ -1,0 +1,59 @@
+#!/bin/bash
+# What an effect leaves in the Vulkan tracer when it is off. For each row of the effect table the tracer is specialised with
+# every effect but this one, as a request does, and optimised; the same is done with a tracer whose source has the effect's
+# code removed (LEFT_OUT of device.glsl). Both must have the same instructions, one for one, and differ from the tracer with
+# all effects. Prints instructions with and without each effect. Last line: N passed, N failed.
+set -u
+cd "$(dirname "$(readlink -f "$0")")/.." || exit 1
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+passed=0
+failed=0
+
+# compiled OUT [OPTION]...: the tracer as SPIR-V
+compiled() {
+    local out=$1
+    shift
+    glslangValidator --quiet -V --target-env vulkan1.2 -Ishaders -DBVH_WIDTH=2 "$@" shaders/trace.comp -o "$out"
+}
+
+# specialised EFFECTS IN OUT: the instructions, names and debug information left out
+specialised() {
+    spirv-opt --target-env=vulkan1.2 --set-spec-const-default-value="0:$1" --freeze-spec-const --fold-spec-const-op-composite \
+        --ccp --eliminate-dead-branches --eliminate-dead-functions --eliminate-dead-code-aggressive --eliminate-dead-const \
+        --merge-blocks --strip-debug --compact-ids "$2" -o "$3.spv" &&
+        spirv-dis --no-header --no-indent "$3.spv" -o "$3"
+}
+
+instructions() { grep -vcE '^Op(Decorate|MemberDecorate|Capability|Extension|EntryPoint|ExecutionMode)|= Op(Constant|Type)' "$1"; }
+operations() { sed -E 's/^%[0-9]+ = //; s/ .*//' "$1" | grep -vE '^Op(Constant|Type)' | sort; }
+
+rows=$(sed -n -E 's/^EFFECT\(([0-9]+), [A-Z_]+, "([A-Za-z]+)".*/\1 \2/p' shaders/kernel/effect_table.glsl)
+[ -n "$rows" ] || { echo "no rows in effect_table.glsl"; echo "0 passed, 1 failed"; exit 1; }
+every=0
+while read -r bit _; do every=$((every | 1 << bit)); done <<<"$rows"
+
+compiled "$folder/trace.spv" && specialised "$every" "$folder/trace.spv" "$folder/all" || { echo "0 passed, 1 failed"; exit 1; }
+printf '%-26s %12s %12s %12s\n' effect "all effects" "without it" "row removed"
+while read -r bit name; do
+    if compiled "$folder/removed.spv" "-DLEFT_OUT=$((1 << bit))u" && specialised "$every" "$folder/removed.spv" "$folder/removed" &&
+        specialised $((every & ~(1 << bit))) "$folder/trace.spv" "$folder/off"; then
+        printf '%-26s %12d %12d %12d' "$name" "$(instructions "$folder/all")" "$(instructions "$folder/off")" \
+            "$(instructions "$folder/removed")"
+        if ! diff -q <(operations "$folder/off") <(operations "$folder/removed") >/dev/null; then
+            echo "  FAILED: something of it is left"
+            failed=$((failed + 1))
+        elif cmp -s "$folder/off" "$folder/all"; then
+            echo "  FAILED: nothing asks for it, so nothing is left out"
+            failed=$((failed + 1))
+        else
+            echo
+            passed=$((passed + 1))
+        fi
+    else
+        echo "$name: FAILED: does not compile"
+        failed=$((failed + 1))
+    fi
+done <<<"$rows"
+echo "$passed passed, $failed failed"
+[ "$failed" = 0 ] && [ "$passed" -gt 0 ]
