@@ -28,6 +28,8 @@ const std::vector<Entry>& entries() {
         {{"effects/glossy", "Metal plates from smooth to rough that reflect glowing bars"}, fillGlossy},
         {{"effects/motion-blur", "Posts and balls for a camera to fly past"}, fillMotionBlur},
         {{"effects/indirect-light", "A room that is lit by its coloured walls"}, fillIndirectLight},
+        {{"effects/small-mirror", "A matt court with one mirror that covers a hundredth of the picture"}, fillSmallMirror},
+        {{"effects/no-mirror", "The same court with a matt plate for the mirror"}, fillNoMirror},
     };
     return table;
 }

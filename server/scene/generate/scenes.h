@@ -16,5 +16,7 @@ void fillFog(SceneBuilder& builder);
 void fillGlossy(SceneBuilder& builder);
 void fillMotionBlur(SceneBuilder& builder);
 void fillIndirectLight(SceneBuilder& builder);
+void fillSmallMirror(SceneBuilder& builder);
+void fillNoMirror(SceneBuilder& builder);
 
 }  // namespace heliograph
