@@ -1,5 +1,6 @@
 #include "server/app/bench_command.h"
 
+#include "server/app/bench_effects.h"
 #include "server/app/devices.h"
 #include "server/app/output_file.h"
 #include "server/app/progress_bar.h"
@@ -303,6 +304,7 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
                     "  heliograph bench devices courtyard --device hybrid --frame-samples 1,4,16");
     devices->callback([&run, options] { run = [options] { return runBenchDevices(*options, std::cout); }; });
     addScheduleBench(*bench, run);
+    addBenchEffects(*bench, run);
 }
 
 }  // namespace heliograph

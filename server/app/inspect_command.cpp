@@ -1,6 +1,7 @@
 #include "server/app/inspect_command.h"
 
 #include "server/app/progress_bar.h"
+#include "server/base/clock.h"
 #include "server/base/text.h"
 #include "server/render/effect_set.h"
 #include "server/scene/scene_source.h"
@@ -52,9 +53,12 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
     };
     out << oneLine(json["scene"].get<std::string>()) << "\n";
     for (const char* key : {"triangles", "instances", "materials", "lights", "textures"}) row(key, json[key].dump());
-    char size[32];
+    char size[64];
     std::snprintf(size, sizeof size, "%.1f MB", static_cast<double>(scene.bytes()) / 1e6);
     row("memory", size);
+    std::snprintf(size, sizeof size, "%.0f ms, then %.2f ms to find the effects", json["ms"]["load"].get<double>(),
+                  json["ms"]["effects"].get<double>());
+    row("loading", size);
     row("bounds", corner(scene.bounds.low) + " to " + corner(scene.bounds.high) + " m");
     row("cameras", joined(scene.cameras));
     row("camera paths", joined(scene.paths));
@@ -68,10 +72,16 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
 
 }  // namespace
 
-nlohmann::ordered_json inspection(const Scene& scene, const std::string& name) {
+nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, double loadMs) {
+    const StopWatch watch;
+    const std::vector<EffectReason> reasons = explainEffects(scene);
+    const double effectsMs = watch.milliseconds();
     nlohmann::ordered_json effects = nlohmann::ordered_json::array();
-    for (const EffectReason& reason : explainEffects(scene)) {
-        effects.push_back({{"name", reason.name}, {"called_for", reason.calledFor}, {"because", reason.because}});
+    for (const EffectReason& reason : reasons) {
+        effects.push_back({{"name", reason.name},
+                           {"called_for", reason.calledFor},
+                           {"because", reason.because},
+                           {"setting", reason.setting}});
     }
     return {{"scene", name},
             {"triangles", scene.triangleCount()},
@@ -81,16 +91,18 @@ nlohmann::ordered_json inspection(const Scene& scene, const std::string& name) {
             {"textures", surfaceImages(scene)},
             {"bytes", scene.bytes()},
             {"effects", effects},
-            {"warnings", scene.warnings}};
+            {"warnings", scene.warnings},
+            {"ms", {{"load", loadMs}, {"effects", effectsMs}}}};
 }
 
 int runInspect(const SceneOptions& options, std::ostream& out) {
     std::shared_ptr<const Scene> scene;
+    const StopWatch watch;
     {
         ProgressBar bar;
         scene = openScene(options.scene, options.environment, bar.progress());
     }
-    const nlohmann::ordered_json json = inspection(*scene, scene->name);
+    const nlohmann::ordered_json json = inspection(*scene, scene->name, watch.milliseconds());
     // Names come from files, which may hold anything: what is no UTF-8 is replaced, not thrown about.
     if (options.json) out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
     else printForPeople(*scene, json, out);

@@ -8,8 +8,9 @@
 
 namespace heliograph {
 
-/// The answer as JSON: docs/operations.md has the fields. `name`: how the scene is called in it.
-nlohmann::ordered_json inspection(const Scene& scene, const std::string& name);
+/// The answer as JSON: docs/operations.md has the fields. `name`: how the scene is called in it. `loadMs`: what opening it
+/// took.
+nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, double loadMs);
 /// Opens the scene and prints. Returns the exit code; throws InputError if it cannot be opened.
 int runInspect(const SceneOptions& options, std::ostream& out);
 /// Declares the command; when it was given, `run` runs it.

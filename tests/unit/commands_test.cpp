@@ -86,7 +86,8 @@ protected:
 TEST_F(CommandsTest, HelpIsNoError) {
     for (const std::vector<std::string>& arguments :
          {std::vector<std::string>{"--help"}, {"render", "--help"}, {"inspect", "--help"}, {"bench", "--help"},
-          {"bench", "frames", "--help"}, {"bench", "devices", "--help"}, {"bench", "schedule", "--help"}, {"serve", "--help"}}) {
+          {"bench", "frames", "--help"}, {"bench", "devices", "--help"}, {"bench", "schedule", "--help"},
+          {"bench", "effects", "--help"}, {"serve", "--help"}}) {
         Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.code, 0);
         EXPECT_THAT(outcome.out, HasSubstr("xample")) << arguments.front();
@@ -211,12 +212,57 @@ TEST_F(CommandsTest, BenchesAnswerInJson) {
     for (const auto& [name, policy] : scenario["policies"].items()) EXPECT_GE(policy["ratio"].get<double>(), 1.0) << name;
 }
 
+TEST_F(CommandsTest, BenchEffectsHasARowPerEffectAndEqualRaysWhereNoneIsCalledFor) {
+    Outcome outcome = run({"bench", "effects", "cornell", "--size", "48x32", "--repetitions", "1", "--device", "embree", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    ordered_json json = ordered_json::parse(outcome.out);
+    EXPECT_EQ(json["time"], "core");
+    EXPECT_EQ(json["width"], 48);
+    uint64_t least = 0;
+    for (const ordered_json& row : json["rows"]) {
+        const uint64_t on = row["rays_on"].get<uint64_t>(), off = row["rays_off"].get<uint64_t>();
+        if (!row["called_for"].get<bool>()) {
+            EXPECT_EQ(row["by_kind"]["on"], row["by_kind"]["off"]) << row["effect"];
+        }
+        if (row["effect"] == "ambientOcclusion") {
+            EXPECT_EQ(row["by_kind"]["off"]["ambient_occlusion"], 0);
+            EXPECT_GT(row["by_kind"]["on"]["ambient_occlusion"], 0);
+        }
+        if (row["effect"] == "reflections" || row["effect"] == "refractions") {
+            EXPECT_GT(on, off) << row["effect"];
+        }
+        least = std::max(least, off);
+    }
+    EXPECT_GT(least, 48u * 32u);
+    EXPECT_THAT(run({"bench", "effects", "cornell", "--size", "48x32", "--repetitions", "1"}).out,
+                HasSubstr("not called for: no environment image"));
+}
+
+TEST_F(CommandsTest, BenchEffectsChecksThatWhatIsAllowedAndNotNeededChangesNothing) {
+    Outcome outcome = run({"bench", "effects", "cornell", "--check", "--size", "48x32", "--repetitions", "1", "--device", "embree",
+                           "--limit", "100", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+    ordered_json json = ordered_json::parse(outcome.out);
+    EXPECT_EQ(json["identical"], true);
+    EXPECT_THAT(json["switched_off"].get<std::vector<std::string>>(), testing::Contains("environment"));
+    EXPECT_EQ(json["by_kind"]["allowed"], json["by_kind"]["called_for"]);
+}
+
+TEST_F(CommandsTest, BenchEffectsRefusesBadArguments) {
+    expectRefused({"bench", "effects", "cornell", "--repetitions", "0"}, {"--repetitions: 0; allowed: 1 to 100000"});
+    expectRefused({"bench", "effects", "cornell", "--limit", "0"}, {"--limit: ", "allowed: percent"});
+    expectRefused({"bench", "effects", "cornell", "--check", "--against", "x"}, {"--against", "one of them"});
+    Outcome outcome = run({"bench", "effects", "cornell", "--against", file("none")});
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("heliograph: "));
+}
+
 TEST_F(CommandsTest, InspectAnswersInJsonAndForPeople) {
     Outcome outcome = run({"inspect", "cornell", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(keys(ordered_json::parse(outcome.out)),
               (std::vector<std::string>{"scene", "triangles", "instances", "materials", "lights", "textures", "bytes",
-                                        "effects", "warnings"}));
+                                        "effects", "warnings", "ms"}));
     EXPECT_THAT(run({"inspect", "cornell"}).out, HasSubstr("calls for\n  shadows"));
 }
 
@@ -232,7 +278,7 @@ TEST(Inspection, CountsWhatIsUsed) {
     }
     builder.warn("something was left out");
     auto scene = builder.finish();
-    ordered_json json = inspection(*scene, "mine");
+    ordered_json json = inspection(*scene, "mine", 12.5);
     EXPECT_EQ(json["scene"], "mine");
     EXPECT_EQ(json["triangles"], 6);
     EXPECT_EQ(json["instances"], 3);
@@ -242,7 +288,10 @@ TEST(Inspection, CountsWhatIsUsed) {
     EXPECT_EQ(json["bytes"], scene->bytes());
     EXPECT_EQ(json["effects"][0]["name"], "shadows");
     EXPECT_EQ(json["effects"][0]["called_for"], true);
+    EXPECT_EQ(json["effects"][0]["setting"], "shadows");
     EXPECT_EQ(json["warnings"], ordered_json(scene->warnings));
+    EXPECT_EQ(json["ms"]["load"], 12.5);
+    EXPECT_GE(json["ms"]["effects"].get<double>(), 0.0);
 }
 
 }  // namespace

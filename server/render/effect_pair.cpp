@@ -1,0 +1,49 @@
+#include "server/render/effect_pair.h"
+
+#include <algorithm>
+
+namespace heliograph {
+
+std::vector<EffectPair> effectPairs(const std::vector<EffectReason>& effects, const FrameRequest& base) {
+    const EffectSet called = calledFor(effects);
+    std::vector<EffectPair> pairs;
+    for (const EffectReason& effect : effects) {
+        EffectPair pair{effect, base, base};
+        if (!effect.setting.empty()) pair.on.settings.set(effect.setting, true);
+        pair.on.effects.bits = called.bits & allowedEffects(pair.on.settings).bits;
+        pair.off = pair.on;
+        pair.off.effects.bits &= ~effect.bit;
+        pairs.push_back(std::move(pair));
+    }
+    return pairs;
+}
+
+EffectSet calledFor(const std::vector<EffectReason>& effects) {
+    EffectSet called;
+    for (const EffectReason& effect : effects) {
+        if (effect.calledFor) called.bits |= effect.bit;
+    }
+    return called;
+}
+
+Settings withAllAllowed(Settings settings) {
+    const nlohmann::json defaults = Settings{}.toJson();
+#define EFFECT(bit, CONSTANT, name, setting, help) \
+    if (!std::string_view(setting).empty() && defaults.at(setting).get<bool>()) settings.set(setting, true);
+#include "shaders/kernel/effect_table.glsl"
+#undef EFFECT
+    return settings;
+}
+
+Settings withOnlyCalledFor(Settings settings, const std::vector<EffectReason>& effects) {
+    for (const EffectReason& effect : effects) {
+        if (effect.setting.empty()) continue;
+        bool needed = std::any_of(effects.begin(), effects.end(), [&](const EffectReason& other) {
+            return other.setting == effect.setting && other.calledFor;
+        });
+        if (!needed) settings.set(effect.setting, false);
+    }
+    return settings;
+}
+
+}  // namespace heliograph
