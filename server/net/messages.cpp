@@ -72,7 +72,8 @@ std::string sceneReadyMessage(const std::string& name, const Scene& scene) {
     for (const NamedCamera& camera : scene.cameras) cameras.push_back(cameraJson(camera));
     for (const CameraPath& path : scene.paths) paths.push_back(path.name);
     for (const EffectReason& row : explainEffects(scene)) {
-        effects.push_back({{"name", row.name}, {"calledFor", row.calledFor}, {"because", row.because}});
+        effects.push_back({{"name", row.name}, {"calledFor", row.calledFor}, {"because", row.because},
+                           {"setting", row.setting}, {"help", row.help}});
     }
     json bounds = nullptr;
     if (!scene.bounds.empty()) bounds = {{"low", array(scene.bounds.low)}, {"high", array(scene.bounds.high)}};
@@ -133,6 +134,24 @@ std::string pathMessage(bool playing, const std::optional<FrameSummary>& result)
                              {"fpsMean", finite(result->fpsMean)}, {"fpsMin", finite(result->fpsMin)}};
     }
     return text(message);
+}
+
+std::string effectCostsMeasuringMessage(double share) {
+    return text({{"type", "effectCosts"}, {"state", "measuring"}, {"share", std::clamp(finite(share), 0.0, 1.0)}});
+}
+
+std::string effectCostsReadyMessage(const EffectCosts& costs) {
+    json rows = json::array();
+    for (const EffectCost& row : costs.rows) {
+        rows.push_back({{"name", row.name}, {"onMs", finite(row.onMs)}, {"offMs", finite(row.offMs)},
+                        {"raysOn", row.raysOn}, {"raysOff", row.raysOff}});
+    }
+    return text({{"type", "effectCosts"}, {"state", "ready"}, {"scene", costs.scene}, {"device", costs.device},
+                 {"width", costs.size.x}, {"height", costs.size.y}, {"scale", finite(costs.scale)}, {"rows", rows}});
+}
+
+std::string effectCostsFailedMessage(const std::string& why) {
+    return text({{"type", "effectCosts"}, {"state", "failed"}, {"what", why}});
 }
 
 std::string noticeMessage(const std::string& words) { return text({{"type", "notice"}, {"text", words}}); }

@@ -3,6 +3,7 @@
 
 #include "server/net/protocol.h"
 #include "server/render/partition.h"
+#include "server/render/effect_meter.h"
 #include "server/render/path_run.h"
 #include "server/render/tile.h"
 #include "server/scene/scene_source.h"
@@ -41,6 +42,9 @@ std::string statsMessage(const ViewerStats& stats);
 /// Who made which part of a frame.
 std::string partitionMessage(uint32_t frameId, const Partition& partition);
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result);
+std::string effectCostsMeasuringMessage(double share);
+std::string effectCostsReadyMessage(const EffectCosts& costs);
+std::string effectCostsFailedMessage(const std::string& why);
 std::string noticeMessage(const std::string& text);
 std::string errorMessage(const std::string& text, const std::string& about, std::optional<uint32_t> inputId);
 std::string pongMessage(double time);

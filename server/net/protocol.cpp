@@ -141,6 +141,7 @@ ViewerMessage readPicture(const Fields& fields) {
 ViewerMessage readPath(const Fields& fields) { return PathMessage{fields.boolean("playing")}; }
 ViewerMessage readPing(const Fields& fields) { return PingMessage{fields.number("time")}; }
 ViewerMessage readToken(const Fields& fields) { return TokenMessage{fields.text("token", 4096)}; }
+ViewerMessage readEffectCosts(const Fields&) { return EffectCostsMessage{}; }
 
 struct MessageType {
     const char* name;
@@ -151,6 +152,7 @@ constexpr MessageType MESSAGE_TYPES[] = {
     {"camera", readCamera},   {"settings", readSettings}, {"resolution", readResolution},
     {"scene", readScene},     {"ack", readAck},           {"picture", readPicture},
     {"path", readPath},       {"ping", readPing},         {"token", readToken},
+    {"effectCosts", readEffectCosts},
 };
 
 std::string knownTypes() {

@@ -48,9 +48,10 @@ struct PictureMessage { PictureFormat format = PictureFormat::png; };
 struct PathMessage { bool playing = false; };
 struct PingMessage { double time = 0.0; };
 struct TokenMessage { std::string token; };
+struct EffectCostsMessage {};
 
 using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
-                                   PathMessage, PingMessage, TokenMessage>;
+                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {

@@ -42,6 +42,7 @@ Session::Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocke
       host_(host),
       socket_(std::move(socket)),
       options_(std::move(options)),
+      meter_(host.turns(), [this](EffectMeter::News&& news) { effectCosts(std::move(news)); }),
       publisher_([this](uint32_t frameId, std::optional<Published> result, const std::string& failure) {
           published(frameId, std::move(result), failure);
       }),
@@ -84,7 +85,8 @@ void Session::receive(std::string_view text) {
         std::visit([&](const auto& m) {
             if constexpr (requires { m.inputId; }) inputId = m.inputId;
         }, message);
-        static constexpr const char* NAMES[] = {"camera", "settings", "resolution", "scene", "ack", "picture", "path", "ping", "token"};
+        static constexpr const char* NAMES[] = {"camera", "settings", "resolution", "scene", "ack", "picture", "path", "ping", "token",
+                                                "effectCosts"};
         static_assert(std::size(NAMES) == std::variant_size_v<ViewerMessage>);
         about = NAMES[message.index()];
         std::visit([&](const auto& m) { handle(m); }, message);
@@ -191,6 +193,36 @@ void Session::handle(const TokenMessage& message) {
     welcome();
 }
 
+void Session::handle(const EffectCostsMessage&) {
+    std::lock_guard lock(mutex_);
+    if (!scene_ || request_.resolution.x == 0) {
+        throw InputError("effectCosts", "nothing to see yet", "after `resolution` and a scene");
+    }
+    costsAwaited_ = true;
+    costsAt_ = Clock::now();
+    socket_->sendText(effectCostsMeasuringMessage(0.0));
+    meter_.measure({++costsOrder_, sceneName_, scene_, request_});
+}
+
+void Session::effectCosts(EffectMeter::News&& news) {
+    std::lock_guard lock(mutex_);
+    if (ended_ || !costsAwaited_ || news.order != costsOrder_) return;
+    if (news.costs || !news.failure.empty()) {
+        costsAwaited_ = false;
+        socket_->sendText(news.costs ? effectCostsReadyMessage(*news.costs) : effectCostsFailedMessage(news.failure));
+    } else if (Clock::now() - costsAt_ >= PROGRESS_EVERY) {
+        costsAt_ = Clock::now();
+        socket_->sendText(effectCostsMeasuringMessage(news.share));
+    }
+}
+
+/// With the lock held.
+void Session::dropEffectCosts(const std::string& why) {
+    meter_.drop();
+    if (costsAwaited_) socket_->sendText(effectCostsFailedMessage(why));
+    costsAwaited_ = false;
+}
+
 /// Gives the request to the loop; with the lock held.
 void Session::showLocked() {
     request_.received = Clock::now();
@@ -245,6 +277,7 @@ void Session::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
         picture_.reset();
         socket_->sendText(errorMessage("picture: the scene was changed before it was finished", "picture", std::nullopt));
     }
+    dropEffectCosts("the scene was changed before they were measured");
     request_.camera = cameraFrom(scene_->scene->cameras.front());
     request_.received = Clock::now();
     socket_->sendText(sceneReadyMessage(sceneName_, *scene_->scene));
@@ -381,6 +414,7 @@ void Session::end() {
     ended_ = true;
     std::swap(ticket, sceneTicket_);
     sceneOrder_++;
+    meter_.drop();
     loop_.stop();
 }
 

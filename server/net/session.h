@@ -82,6 +82,7 @@ private:
     void handle(const PathMessage& message);
     void handle(const PingMessage& message);
     void handle(const TokenMessage& message);
+    void handle(const EffectCostsMessage& message);
 
     void welcome();
     void openScene(const std::string& name);
@@ -91,6 +92,8 @@ private:
     void published(uint32_t frameId, std::optional<Published> result, const std::string& failure);
     void landed(uint32_t frameId);
     void showLocked();
+    void effectCosts(EffectMeter::News&& news);
+    void dropEffectCosts(const std::string& why);
 
     const uint32_t viewer_;
     SessionHost& host_;
@@ -116,6 +119,11 @@ private:
     StatsWindow stats_;
     Clock::time_point statsAt_{};
 
+    uint64_t costsOrder_ = 0;             // the newest asked for
+    bool costsAwaited_ = false;
+    Clock::time_point costsAt_{};
+
+    EffectMeter meter_;
     Publisher publisher_;
     FrameLoop loop_;  // ends first
 };

@@ -340,6 +340,61 @@ TEST(Session, TooManyPixelsAreRefused) {
     EXPECT_EQ(line.socket->headers[0].size, uvec2(100, 100));
 }
 
+TEST(Session, EffectCostsComeOnDemand) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "effectCosts"}});
+    EXPECT_EQ(line.socket->last("error")["about"], "effectCosts");  // no resolution yet
+    line.size();
+    line.say({{"type", "effectCosts"}});
+    ASSERT_TRUE(line.socket->until([&] { return line.socket->texts.back().value("state", "") == "ready" &&
+                                                line.socket->texts.back()["type"] == "effectCosts"; }));
+    json costs = line.socket->last("effectCosts");
+    EXPECT_EQ(costs["scene"], "first");
+    EXPECT_EQ(costs["device"], "embree");
+    EXPECT_EQ(costs["width"], 64);
+    EXPECT_EQ(costs["height"], 48);
+    EXPECT_EQ(costs["scale"], 1.0);
+    EXPECT_EQ(costs["rows"][0]["name"], "shadows");
+    EXPECT_EQ(costs["rows"][0]["raysOn"], 64 * 48);
+    EXPECT_EQ(costs["rows"][0]["raysOff"], 64 * 48);
+    EXPECT_TRUE(costs["rows"][0]["onMs"].is_number());
+    EXPECT_TRUE(costs["rows"][0]["offMs"].is_number());
+    auto first = std::find_if(line.socket->texts.begin(), line.socket->texts.end(), [](const json& t) { return t["type"] == "effectCosts"; });
+    EXPECT_EQ((*first)["state"], "measuring");
+    EXPECT_EQ((*first)["share"], 0.0);
+}
+
+TEST(Session, AnotherSceneEndsTheMeasuringOfTheOneBefore) {
+    Line line;
+    line.session->begin();
+    line.size();
+    {
+        Turns::Account account;  // as if another viewer had the device all the time
+        auto turn = line.host.turns_.take(account, {});
+        line.say({{"type", "effectCosts"}});
+        line.say({{"type", "scene"}, {"name", "second"}});
+    }
+    json costs = line.socket->last("effectCosts");
+    EXPECT_EQ(costs["state"], "failed");
+    EXPECT_THAT(costs["what"], HasSubstr("scene was changed"));
+    line.say({{"type", "effectCosts"}});
+    ASSERT_TRUE(line.socket->until([&] { return line.socket->texts.back().value("state", "") == "ready" &&
+                                                line.socket->texts.back()["type"] == "effectCosts"; }));
+    EXPECT_EQ(line.socket->last("effectCosts")["scene"], "second");
+}
+
+TEST(Session, EffectsComeWithTheirSwitchesAndHelp) {
+    Line line;
+    line.session->begin();
+    json effects = line.socket->last("scene")["effects"];
+    EXPECT_EQ(effects[0]["name"], "shadows");
+    EXPECT_EQ(effects[0]["setting"], "shadows");
+    EXPECT_EQ(effects[0]["calledFor"], false);
+    EXPECT_EQ(effects[6]["setting"], "");
+    for (const json& effect : effects) EXPECT_FALSE(effect["help"].get<std::string>().empty()) << effect["name"];
+}
+
 TEST(Session, PingIsAnswered) {
     Line line;
     line.session->begin();

@@ -1,0 +1,164 @@
+#include "server/render/effect_meter.h"
+
+#include "server/render/stats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace heliograph {
+
+namespace {
+
+constexpr double DEVICE_SECONDS = 1.0;  // for all of it, about
+constexpr uint32_t REPETITIONS = 5;     // counted; one more warms up
+constexpr uint64_t MOST_PIXELS = 1920 * 1080;
+constexpr uint64_t TRIAL_PIXELS = 128 * 1024;  // of the frame from which the size is worked out
+constexpr double SHORTEST_SIDE = 64.0;         // pixels, of the longer side
+
+uvec2 scaledTo(uvec2 size, double pixels) {
+    const double have = static_cast<double>(size.x) * size.y, longer = std::max(size.x, size.y);
+    const double factor = std::min(1.0, std::max(std::sqrt(pixels / have), SHORTEST_SIDE / longer));
+    auto side = [&](uint32_t s) { return std::max(1u, static_cast<uint32_t>(std::lround(factor * s))); };
+    return {side(size.x), side(size.y)};
+}
+
+double pixelsOf(uvec2 size) { return static_cast<double>(size.x) * size.y; }
+
+}  // namespace
+
+uvec2 measuredSize(uvec2 film, double secondsPerPixel, size_t frames, double seconds) {
+    double pixels = static_cast<double>(MOST_PIXELS);
+    const double all = secondsPerPixel * static_cast<double>(frames);
+    if (all > 0.0) pixels = std::min(pixels, seconds / all);
+    return scaledTo(film, pixels);
+}
+
+/// What was measured of one request.
+struct EffectMeter::Round {
+    FrameRequest request;
+    std::vector<double> ms;
+    RayCounts rays;
+};
+
+EffectMeter::EffectMeter(Turns& turns, std::function<void(News&&)> listener) : turns_(turns), listener_(std::move(listener)) {}
+
+EffectMeter::~EffectMeter() { drop(); }
+
+void EffectMeter::measure(Order order) {
+    std::lock_guard lock(mutex_);
+    next_ = std::move(order);
+    current_.request_stop();
+    if (!thread_.joinable()) thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
+    changed_.notify_all();
+}
+
+void EffectMeter::drop() {
+    std::lock_guard lock(mutex_);
+    next_.reset();
+    current_.request_stop();
+}
+
+void EffectMeter::run(std::stop_token stop) {
+    while (true) {
+        Order order;
+        std::stop_token dropped;
+        {
+            std::unique_lock lock(mutex_);
+            if (!changed_.wait(lock, stop, [&] { return next_.has_value(); })) return;
+            order = std::move(*next_);
+            next_.reset();
+            current_ = std::stop_source();
+            dropped = current_.get_token();
+        }
+        film_.emplace();
+        try {
+            std::optional<EffectCosts> costs = measured(order, dropped);
+            if (costs) listener_({order.number, 1.0, std::move(costs), ""});
+        } catch (const std::exception& e) {
+            listener_({order.number, 0.0, std::nullopt, e.what()});
+        }
+        film_.reset();
+    }
+}
+
+/// Nothing when it was dropped.
+std::optional<EffectCosts> EffectMeter::measured(const Order& order, std::stop_token stop) {
+    const uvec2 film = filmSize(order.view);
+    FrameRequest base;
+    base.camera = order.view.camera;
+    base.settings = order.view.settings;
+    base.effects.bits = order.scene->effects.bits & allowedEffects(base.settings).bits;
+    const std::vector<EffectPair> pairs = effectPairs(explainEffects(*order.scene->scene), base);
+    std::vector<Round> rounds{{base, {}, {}}};  // the view itself, then on and off of each effect that makes a difference
+    for (const EffectPair& pair : pairs) {
+        if (!pair.differs()) continue;
+        rounds.push_back({pair.on, {}, {}});
+        rounds.push_back({pair.off, {}, {}});
+    }
+    const size_t frames = rounds.size() * (REPETITIONS + 1);
+    order.scene->device->prepare(base.settings);  // others go on rendering meanwhile
+    secondsPerTile_ = 0.0;
+    RayCounts rays;
+    std::optional<double> seconds;
+    base.resolution = scaledTo(film, static_cast<double>(TRIAL_PIXELS));
+    for (int trial = 0; trial < 2; trial++) {  // the first one warms up
+        if (!(seconds = frame(order, base, stop, rays))) return std::nullopt;
+    }
+    const uvec2 size = measuredSize(film, *seconds / pixelsOf(base.resolution), frames, DEVICE_SECONDS);
+    for (uint32_t repetition = 0, done = 0; repetition <= REPETITIONS; repetition++) {
+        for (size_t i = 0; i < rounds.size(); i++, done++) {
+            // The order within each pair changes.
+            Round& round = rounds[i > 0 && repetition % 2 != 0 ? (i % 2 != 0 ? i + 1 : i - 1) : i];
+            round.request.resolution = size;
+            round.rays = {};
+            seconds = frame(order, round.request, stop, round.rays);
+            if (!seconds) return std::nullopt;
+            if (repetition > 0) round.ms.push_back(1e3 * *seconds);
+            listener_({order.number, static_cast<double>(done + 1) / static_cast<double>(frames), std::nullopt, ""});
+        }
+    }
+    EffectCosts costs{order.name, order.scene->device->infoFor(base.settings).name, size, pixelsOf(film) / pixelsOf(size), {}};
+    size_t next = 1;
+    for (const EffectPair& pair : pairs) {
+        const Round& on = rounds[pair.differs() ? next : 0];
+        const Round& off = rounds[pair.differs() ? next + 1 : 0];
+        if (pair.differs()) next += 2;
+        costs.rows.push_back({pair.effect.name, median(on.ms), median(off.ms), on.rays.total(), off.rays.total()});
+    }
+    return costs;
+}
+
+/// Seconds of wall time within turns; nothing when it was dropped.
+std::optional<double> EffectMeter::frame(const Order& order, FrameRequest request, std::stop_token stop, RayCounts& rays) {
+    using Clock = std::chrono::steady_clock;
+    Device& device = *order.scene->device;
+    request.generation = ++generation_;
+    film_->reset(request.resolution, generation_);
+    const std::vector<Tile> tiles = film_->tilesFor(0, 1, tileSize(request.settings));
+    const uint32_t workers = device.infoFor(request.settings).workers;
+    std::mutex mutex;  // of rays
+    auto sink = [&](TileResult&& result) {
+        if (!film_->add(result)) return;
+        std::lock_guard lock(mutex);
+        rays.add(result.rays);
+    };
+    double seconds = 0.0;
+    for (size_t done = 0; done < tiles.size();) {
+        std::optional<Turns::Turn> turn = turns_.take(account_, stop);
+        if (!turn) return std::nullopt;
+        const size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.contended()));
+        const Clock::time_point begin = Clock::now();
+        device.render(request, std::span(tiles).subspan(done, count), sink, stop);
+        const double slice = std::chrono::duration<double>(Clock::now() - begin).count();
+        if (stop.stop_requested()) return std::nullopt;
+        seconds += slice;
+        secondsPerTile_ = slice / static_cast<double>(count);
+        done += count;
+    }
+    if (film_->completedSamples() == 0) throw std::runtime_error("device " + device.info().name + " left out tiles of a pass");
+    return seconds;
+}
+
+}  // namespace heliograph
