@@ -24,6 +24,10 @@ export class EffectCostModel {
   /** The server's word, while `scene` is shown. */
   answered(message: EffectCostsMessage, scene: string): void {
     const waits = this.state_.name === 'measuring';
+    if (message.state === 'failed') {
+      if (waits) this.refused(message.what);
+      return;
+    }
     if (message.state === 'ready' && message.scene === scene) this.set({ name: 'ready', costs: message });
     else if (message.state === 'ready' && waits) this.refused(`The server measured another scene: ${message.scene}.`);
     else if (message.state === 'measuring' && waits) this.set({ name: 'measuring', share: message.share });

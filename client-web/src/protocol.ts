@@ -62,7 +62,9 @@ export interface EffectCosts {
 }
 
 export type EffectCostsMessage =
-  EffectCosts | { readonly type: 'effectCosts'; readonly state: 'measuring'; readonly share: number };
+  | EffectCosts
+  | { readonly type: 'effectCosts'; readonly state: 'measuring'; readonly share: number }
+  | { readonly type: 'effectCosts'; readonly state: 'failed'; readonly what: string };
 
 export interface SceneReady {
   readonly camera: Camera;
@@ -254,7 +256,10 @@ function sceneReadyOf(fields: Fields): SceneReady {
 function effectCostsOf(fields: Fields): EffectCostsMessage {
   const state = fields['state'];
   if (state === 'measuring') return { type: 'effectCosts', state, share: numberOf(fields['share']) };
-  if (state !== 'ready') throw new ProtocolError(`effectCosts.state: ${String(state)}, allowed: measuring, ready`);
+  if (state === 'failed') return { type: 'effectCosts', state, what: textOf(fields['what']) };
+  if (state !== 'ready') {
+    throw new ProtocolError(`effectCosts.state: ${String(state)}, allowed: measuring, ready, failed`);
+  }
   return {
     type: 'effectCosts',
     state,

@@ -87,6 +87,11 @@ test('effectCosts: read from the server, another state is refused', () => {
     state: 'measuring',
     share: 0.25,
   });
+  assert.deepEqual(costs({ state: 'failed', what: 'device lost' }), {
+    type: 'effectCosts',
+    state: 'failed',
+    what: 'device lost',
+  });
   assert.throws(() => costs({ state: 'done' }), /effectCosts\.state: done/);
 });
 
@@ -112,7 +117,10 @@ test('EffectCostModel: measuring, ready, refused; late answers of another scene 
   model.asked();
   model.answered(costs(READY), 'cornell');
   assert.deepEqual(model.state, { name: 'failed', message: 'The server measured another scene: glass.' });
+  model.asked();
+  model.answered({ type: 'effectCosts', state: 'failed', what: 'device lost' }, 'glass');
+  assert.deepEqual(model.state, { name: 'failed', message: 'device lost' });
   model.refused('effectCosts: busy');
   assert.deepEqual(model.state, { name: 'failed', message: 'effectCosts: busy' });
-  assert.equal(changes, 9);
+  assert.equal(changes, 11);
 });
