@@ -2,8 +2,8 @@
 // What the server says in `heliograph.v1`: each function makes the text of one control message (docs/protocol.md).
 
 #include "server/net/protocol.h"
-#include "server/render/partition.h"
 #include "server/render/effect_meter.h"
+#include "server/render/partition.h"
 #include "server/render/path_run.h"
 #include "server/render/tile.h"
 #include "server/scene/scene_source.h"

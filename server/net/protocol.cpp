@@ -143,6 +143,15 @@ ViewerMessage readPing(const Fields& fields) { return PingMessage{fields.number(
 ViewerMessage readToken(const Fields& fields) { return TokenMessage{fields.text("token", 4096)}; }
 ViewerMessage readEffectCosts(const Fields&) { return EffectCostsMessage{}; }
 
+ViewerMessage readFocus(const Fields& fields) {
+    FocusMessage message{fields.uint("inputId"), fields.number("x"), fields.number("y")};
+    for (const char* name : {"x", "y"}) {
+        const double value = *name == 'x' ? message.x : message.y;
+        if (value < 0.0 || value > 1.0) fields.refuse(name, nlohmann::json(value).dump(), "0 to 1");
+    }
+    return message;
+}
+
 struct MessageType {
     const char* name;
     ViewerMessage (*read)(const Fields&);
@@ -152,7 +161,7 @@ constexpr MessageType MESSAGE_TYPES[] = {
     {"camera", readCamera},   {"settings", readSettings}, {"resolution", readResolution},
     {"scene", readScene},     {"ack", readAck},           {"picture", readPicture},
     {"path", readPath},       {"ping", readPing},         {"token", readToken},
-    {"effectCosts", readEffectCosts},
+    {"effectCosts", readEffectCosts}, {"focus", readFocus},
 };
 
 std::string knownTypes() {

@@ -49,9 +49,10 @@ struct PathMessage { bool playing = false; };
 struct PingMessage { double time = 0.0; };
 struct TokenMessage { std::string token; };
 struct EffectCostsMessage {};
+struct FocusMessage { uint32_t inputId = 0; double x = 0.0, y = 0.0; };  // place in the picture, 0..1 from the top left corner
 
 using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
-                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage>;
+                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage, FocusMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {

@@ -3,6 +3,7 @@
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/net/token.h"
+#include "server/render/pick.h"
 
 #include <algorithm>
 #include <cmath>
@@ -86,7 +87,7 @@ void Session::receive(std::string_view text) {
             if constexpr (requires { m.inputId; }) inputId = m.inputId;
         }, message);
         static constexpr const char* NAMES[] = {"camera", "settings", "resolution", "scene", "ack", "picture", "path", "ping", "token",
-                                                "effectCosts"};
+                                                "effectCosts", "focus"};
         static_assert(std::size(NAMES) == std::variant_size_v<ViewerMessage>);
         about = NAMES[message.index()];
         std::visit([&](const auto& m) { handle(m); }, message);
@@ -202,6 +203,28 @@ void Session::handle(const EffectCostsMessage&) {
     costsAt_ = Clock::now();
     socket_->sendText(effectCostsMeasuringMessage(0.0));
     meter_.measure({++costsOrder_, sceneName_, scene_, request_});
+}
+
+/// Sets the distance of what lies there. The rest of the lens stays as it is.
+void Session::handle(const FocusMessage& message) {
+    std::shared_ptr<ResidentScene> scene;
+    ViewRequest view;
+    {
+        std::lock_guard lock(mutex_);
+        if (!scene_ || request_.resolution.x == 0) throw InputError("focus", "nothing to see yet", "after `resolution` and a scene");
+        scene = scene_;
+        view = request_;
+    }
+    const double aspect = static_cast<double>(view.resolution.x) / view.resolution.y;
+    const std::optional<double> depth = depthAt(*scene->scene, view.camera, aspect, message.x, message.y);
+    if (!depth) throw InputError("focus", "nothing is there", "a place where something is seen");
+    std::lock_guard lock(mutex_);
+    Settings settings = request_.settings;
+    settings.set("focusDistance", *depth);
+    request_.settings = settings;
+    request_.inputId = message.inputId;
+    socket_->sendText(settingsMessage(settings.toJson(), message.inputId));
+    showLocked();
 }
 
 void Session::effectCosts(EffectMeter::News&& news) {

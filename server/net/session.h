@@ -83,6 +83,7 @@ private:
     void handle(const PingMessage& message);
     void handle(const TokenMessage& message);
     void handle(const EffectCostsMessage& message);
+    void handle(const FocusMessage& message);
 
     void welcome();
     void openScene(const std::string& name);

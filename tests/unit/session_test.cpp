@@ -271,6 +271,18 @@ TEST(Session, AFrameIsPrecededByItsPartitionWhereThatIsAskedFor) {
     EXPECT_EQ(partition["timeline"]["workers"][0]["batches"][0][2], 6);
 }
 
+TEST(Session, FocusesOnWhatIsThereOrSaysThatNothingIs) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "focus"}, {"x", 0.5}, {"y", 0.5}, {"inputId", 1}});
+    EXPECT_EQ(line.socket->last("error")["about"], "focus");
+    line.size();
+    line.say({{"type", "focus"}, {"x", 1.5}, {"y", 0.5}, {"inputId", 2}});
+    EXPECT_NE(line.socket->last("error")["message"].get<std::string>().find("0 to 1"), std::string::npos);
+    line.say({{"type", "focus"}, {"x", 0.5}, {"y", 0.5}, {"inputId", 3}});  // the scene of this test is empty
+    EXPECT_NE(line.socket->last("error")["message"].get<std::string>().find("nothing is there"), std::string::npos);
+}
+
 TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
     Line line;
     line.session->begin();
