@@ -182,7 +182,8 @@ void FrameLoop::endRun() {
 
 /// Makes the wish the film's view. False: the film holds a first pass that the viewer should have before it is overwritten.
 bool FrameLoop::adopt() {
-    if (view_ && sameFilm(*view_, *wish_)) {
+    // What moved and is blurred is made again sharp when it rests.
+    if (view_ && sameFilm(*view_, *wish_) && !(blurred_ && !wish_->moving)) {
         view_ = wish_;
         return true;
     }
@@ -202,7 +203,9 @@ void FrameLoop::startFilm() {
     if (film_ && film_.use_count() > 1) std::swap(film_, spare_);
     if (!film_ || film_.use_count() > 1) film_ = std::make_shared<Film>();
     film_->reset(filmSize(*wish_), ++generation_);
+    cameraBefore_ = view_ && wish_->moving ? std::optional(view_->camera) : std::nullopt;
     view_ = wish_;
+    blurred_ = requestFor(*film_, *view_, cameraBefore_).effects.has(EFFECT_MOTION_BLUR);
     samples_ = 0;
     delivered_ = {};
     figures_.devices = 0;  // what a pass that was given up left behind is not in this film
@@ -261,7 +264,7 @@ void FrameLoop::useLatestWish() {
         wish_ = newest_;
     }
     followPath();
-    if (sameFilm(*view_, *wish_)) view_ = wish_;
+    if (sameFilm(*view_, *wish_) && !(blurred_ && !wish_->moving)) view_ = wish_;
     else startFilm();
     std::lock_guard lock(mutex_);
     pass_.view = *view_;
@@ -325,16 +328,24 @@ void FrameLoop::endPass(bool completed) {
     else if (pass_.firstSample == 0) cancelledBefore_ = true;
 }
 
-/// One sample for every pixel, a slice of tiles a turn. False when cancelled.
-bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
-                           std::optional<Turns::Turn> turn, PassFigures& figures,
-                           const std::shared_ptr<FrameHistory>& history) {
+/// `before`: where the camera was a frame ago; without it nothing is blurred by motion.
+FrameRequest FrameLoop::requestFor(const Film& film, const ViewRequest& view, const std::optional<Camera>& before) const {
     FrameRequest request;
     request.camera = view.camera;
     request.settings = view.settings;
     request.effects.bits = resident_->effects.bits & allowedEffects(view.settings).bits;
     request.resolution = film.resolution();
     request.generation = film.generation();
+    request.previousCamera = before;
+    if (!before || *before == view.camera) request.effects.bits &= ~EFFECT_MOTION_BLUR;
+    return request;
+}
+
+/// One sample for every pixel, a slice of tiles a turn. False when cancelled.
+bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
+                           std::optional<Turns::Turn> turn, PassFigures& figures,
+                           const std::shared_ptr<FrameHistory>& history) {
+    FrameRequest request = requestFor(film, view, &film == film_.get() ? cameraBefore_ : std::nullopt);
     const uvec2 cellSize = glm::min(tileSize(view.settings), film.resolution());
     const std::vector<Tile> tiles = film.tilesFor(firstSample, 1, cellSize);
     request.history = history;

@@ -131,6 +131,7 @@ private:
     bool finishPicture();
     std::stop_token beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable);
     void endPass(bool completed);
+    FrameRequest requestFor(const Film& film, const ViewRequest& view, const std::optional<Camera>& before) const;
     bool renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
                     std::optional<Turns::Turn> turn, PassFigures& figures, const std::shared_ptr<FrameHistory>& history);
     double renderSlice(const FrameRequest& request, std::span<const Tile> tiles, Film& film, std::stop_token cancelled,
@@ -169,6 +170,8 @@ private:
     double inputSeconds_ = 0.0;
     PassFigures figures_;
     double secondsPerTile_ = 0.0;
+    std::optional<Camera> cameraBefore_;  // of the film before this one, while the viewer moves
+    bool blurred_ = false;                // the film holds motion blur
     std::shared_ptr<FrameHistory> history_ = std::make_shared<FrameHistory>();
     std::optional<Run> run_;
     std::optional<Job> picture_;
