@@ -44,6 +44,8 @@ public:
     /// Makes the first frame of such requests as fast as the next ones (drivers compile at the first dispatch). Renders
     /// nothing that anybody sees.
     virtual void warmUp(const FrameRequest& request) { static_cast<void>(request); }
+    /// Whether `render` needs no such warm-up for the request. Never waits for a frame in progress.
+    virtual bool isWarm(const FrameRequest& request) const { return static_cast<void>(request), true; }
     /// Renders the tiles in the order given and returns when all are delivered or `stop` was asked for (tiles not begun
     /// are then left out). Must not be called while load runs. Throws when the device is lost.
     virtual void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,

@@ -29,7 +29,6 @@ struct Entry {
     std::mutex mutex;  // of all below
     std::shared_ptr<Device> device;   // null until it holds the scene
     std::string aside;                // why it is set aside; empty = it is not
-    std::set<uint32_t> warm;          // effect sets that it is ready for
     bool busy = false;                // somebody gets it ready in the background
     bool stalls = false;              // it was waited for in vain
 
@@ -171,6 +170,10 @@ private:
                      std::stop_token stop) {
         std::shared_ptr<Device> device = usable(name, request.settings, {});
         if (!hasSpare(name) || !entry(name)->failure().empty()) return device->render(request, tiles, sink, stop);
+        if (!options_.patient && !getReady(entry(name), request).empty()) {
+            // It compiles for these effects: the spare, which makes the same picture, serves meanwhile.
+            return loadNow(entry(offer_.spare), request.settings, {})->render(request, tiles, sink, stop);
+        }
         std::vector<Tile> left(tiles.begin(), tiles.end());
         std::mutex deliveredMutex;
         std::set<TileKey> delivered;
@@ -260,7 +263,7 @@ private:
         wanted.history = nullptr;
         {
             std::lock_guard lock(member->mutex);
-            if (member->device && member->warm.contains(request.effects.bits)) return {};
+            if (member->device && member->device->isWarm(request)) return {};
             if (member->busy) return member->device ? "is compiling for these effects" : "is being given the scene";
             member->busy = true;
         }
@@ -273,11 +276,10 @@ private:
                 }
             }
             std::lock_guard lock(member->mutex);
-            member->warm.insert(wanted.effects.bits);
             member->busy = false;
         };
         // The device that is there already has nothing to wait for.
-        if (options_.patient || (member->ready() && member->name == offer_.team.front())) {
+        if (options_.patient || (member->ready() && !offer_.team.empty() && member->name == offer_.team.front())) {
             work();
             std::string why = member->failure();
             return why.empty() ? "" : "set aside: " + why;

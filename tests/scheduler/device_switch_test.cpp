@@ -122,6 +122,7 @@ struct Hybrid : ::testing::Test {
         DeviceInfo info() const override { return device.info(); }
         void load(std::shared_ptr<const Scene> s, const Settings& t, const Progress& p) override { device.load(s, t, p); }
         void warmUp(const FrameRequest& r) override { device.warmUp(r); }
+        bool isWarm(const FrameRequest& r) const override { return device.isWarm(r); }
         void render(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override { device.render(r, t, s, o); }
         void renderStream(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override {
             device.renderStream(r, t, s, o);
@@ -158,6 +159,7 @@ struct Hybrid : ::testing::Test {
 TEST_F(Hybrid, ACommandWaitsForAllDevices) {
     make(true);
     EXPECT_EQ(gpu.loads, 1u);
+    gpu.cold = true;
     render();
     EXPECT_EQ(gpu.warmUps, 1u);
     EXPECT_GT(gpu.calls, 0u);
@@ -236,6 +238,22 @@ TEST_F(Hybrid, WhenAllFailTheReasonsAreTold) {
     } catch (const std::runtime_error& error) {
         EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr("embree is lost"), ::testing::HasSubstr("vulkan:0 is lost")));
     }
+}
+
+// A device that has to compile first is not waited for: the processor makes the same picture meanwhile.
+TEST_F(Hybrid, TheProcessorServesWhileADeviceCompiles) {
+    settings.set("device", "vulkan:0");
+    make(false);
+    EXPECT_EQ(render().tiles.count("embree"), 0u);
+    gpu.cold = true;
+    gpu.hold();
+    EXPECT_EQ(render().tiles.count("vulkan:0"), 0u);
+    ASSERT_TRUE(gpu.untilHeld());
+    EXPECT_EQ(render().tiles.count("vulkan:0"), 0u);
+    gpu.release();
+    while (render().tiles.count("vulkan:0") == 0) {}
+    EXPECT_EQ(gpu.warmUps, 1u);
+    EXPECT_TRUE(notices.empty());
 }
 
 TEST_F(Hybrid, ATracedDeviceAloneHasTheProcessorBehindIt) {

@@ -49,6 +49,12 @@ void TeamDevice::load(std::shared_ptr<const Scene>, const Settings&, const Progr
     if (failsToLoad) throw std::runtime_error(name_ + " does not start");
 }
 
+void TeamDevice::warmUp(const FrameRequest&) {
+    waitHere();
+    warmUps++;
+    cold = false;
+}
+
 void TeamDevice::render(const FrameRequest& request, std::span<const Tile> wanted, const TileSink& sink, std::stop_token stop) {
     renderStream(request, wanted, sink, stop);
 }

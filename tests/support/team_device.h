@@ -14,7 +14,8 @@ public:
     explicit TeamDevice(std::string name, uint32_t streams = 1, std::string silicon = {});
     DeviceInfo info() const override;
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override;
-    void warmUp(const FrameRequest&) override { warmUps++; }
+    void warmUp(const FrameRequest&) override;
+    bool isWarm(const FrameRequest&) const override { return !cold; }
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override;
     void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override;
 
@@ -31,6 +32,7 @@ public:
     std::atomic<double> stamp{1e-4};       // seconds that it claims for a tile
     std::atomic<int> spins{0};             // work a tile
     std::atomic<bool> failsToLoad{false};
+    std::atomic<bool> cold{false};         // until it is warmed up
     std::atomic<uint32_t> tiles{0}, calls{0}, loads{0}, warmUps{0};
 
 private:

@@ -83,15 +83,22 @@ VkDescriptorSet TracePipelines::newSet() {
 void TracePipelines::freeSet(VkDescriptorSet set) { vkFreeDescriptorSets(gpu_.handle(), pool_, 1, &set); }
 
 VkPipeline TracePipelines::get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties) {
-    VkPipeline& pipeline = pipelines_[{effects.bits, pathStack, roundUp(bvhStack, 16), varieties}];
-    if (!pipeline) pipeline = make(effects, pathStack, roundUp(bvhStack, 16), varieties);
-    return pipeline;
+    const Key key{effects.bits, pathStack, roundUp(bvhStack, 16), varieties};
+    {
+        std::lock_guard lock(mutex_);
+        auto found = pipelines_.find(key);
+        if (found != pipelines_.end()) return found->second;
+    }
+    VkPipeline made = make(key);
+    std::lock_guard lock(mutex_);
+    auto [entry, isNew] = pipelines_.emplace(key, made);
+    if (!isNew) vkDestroyPipeline(gpu_.handle(), made, nullptr);  // somebody else was first
+    return entry->second;
 }
 
-VkPipeline TracePipelines::make(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties) const {
-    const uint32_t constants[] = {effects.bits, pathStack, bvhStack, varieties};
+VkPipeline TracePipelines::make(const Key& constants) const {
     const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}};
-    VkSpecializationInfo specialization{4, entries, sizeof constants, constants};
+    VkSpecializationInfo specialization{4, entries, sizeof constants, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module_, "main",
                   &specialization};

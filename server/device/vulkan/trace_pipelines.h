@@ -6,6 +6,7 @@
 
 #include <array>
 #include <map>
+#include <mutex>
 #include <tuple>
 
 namespace heliograph {
@@ -25,18 +26,21 @@ public:
     VkPipelineLayout layout() const { return layout_; }
     VkDescriptorSet newSet();
     void freeSet(VkDescriptorSet set);
-    /// `varieties`: VARIETY_* bits; code for others is left out.
+    /// `varieties`: VARIETY_* bits; code for others is left out. Compiles at the first call; calls for pipelines that are there
+    /// do not wait for that. Safe from several threads.
     VkPipeline get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties = ~0u);
 
 private:
-    VkPipeline make(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties) const;
+    using Key = std::array<uint32_t, 4>;  // effects, path stack, BVH stack, varieties
+    VkPipeline make(const Key& constants) const;
 
     Gpu& gpu_;
     VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkShaderModule module_ = VK_NULL_HANDLE;
-    std::map<std::array<uint32_t, 4>, VkPipeline> pipelines_;
+    std::mutex mutex_;  // of the map
+    std::map<Key, VkPipeline> pipelines_;
 };
 
 }  // namespace heliograph

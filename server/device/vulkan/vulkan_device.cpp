@@ -10,6 +10,7 @@
 #include <sched.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -88,6 +89,10 @@ public:
         std::unique_lock lock(mutex_);
         untilIdle(lock);
         residents_.clear();
+        {
+            std::lock_guard warm(warmMutex_);
+            warm_.clear();
+        }
         source_ = std::move(scene);
         try {
             Resident& resident = residentFor(settings, progress);
@@ -144,11 +149,33 @@ public:
     void warmUp(const FrameRequest& request) override {
         std::unique_lock lock(mutex_);
         if (!source_) throw std::logic_error("warm-up before load");
+        const GpuScene& scene = *residentFor(request.settings, {}).scene;
+        const auto [stackDepth, varieties] = std::pair(scene.stackDepth(), scene.varieties());
+        lock.unlock();
+        // Most drivers compile here, beside the frames of others; Mesa's at the first dispatch.
+        pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), stackDepth, varieties);
+        lock.lock();
+        if (!source_) return;
         untilIdle(lock);
         warmUp(residentFor(request.settings, {}), request);
     }
 
+    bool isWarm(const FrameRequest& request) const override {
+        std::lock_guard lock(warmMutex_);
+        return warm_.contains(warmKey(request));
+    }
+
 private:
+    /// What tells the programs of requests apart, beside what belongs to the scene.
+    using WarmKey = std::array<uint32_t, 3>;
+    static WarmKey warmKey(const FrameRequest& request) {
+        return {request.effects.bits, pathStackSize(request.effects, request.settings), request.settings.bvhQuality};
+    }
+    void setWarm(const FrameRequest& request) {
+        std::lock_guard lock(warmMutex_);
+        warm_.insert(warmKey(request));
+    }
+
     /// The scene with its trees in one quality.
     struct Resident {
         std::unique_ptr<GpuScene> scene;
@@ -226,7 +253,7 @@ private:
                 while (next < tiles.size() && batch.takes(tiles[next], wanted)) batch.add(tiles[next++]);
             }
             if (!batch.empty()) batch.submit(pipeline, frame);
-            else if (!anyInFlight(resident)) return;
+            else if (!anyInFlight(resident)) return setWarm(request);
         }
     }
 
@@ -303,6 +330,8 @@ private:
     std::map<uint32_t, Resident> residents_;  // by bvhQuality
     BatchSize size_;
     std::atomic<double> batchSeconds_{0.0};
+    mutable std::mutex warmMutex_;
+    std::set<WarmKey> warm_;  // has rendered such requests
     std::mutex mutex_;
     std::condition_variable idle_;
     std::set<const Batch*> inUse_;  // by streams
