@@ -110,10 +110,10 @@ DeviceBenchResult benchDevice(Device& device, RawBench* raw, std::shared_ptr<con
                               const DeviceBenchOptions& options, const Progress& progress) {
     DeviceBenchResult result;
     result.scene = scene->name;
-    result.device = device.info().name;
     result.resolution = options.resolution;
     result.hasRaw = raw != nullptr;
     const Settings plain = primaryAndShadow(options.settings);
+    result.device = device.infoFor(plain).name;
     auto requestOf = [&](const Settings& settings) {
         return frameRequest(*scene, options.camera, settings, options.resolution, 1);
     };

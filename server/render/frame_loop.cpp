@@ -35,7 +35,7 @@ ScheduleReport aloneReport(const Partition& partition, double begin, uint32_t ti
     device.name = partition.devices.back();
     device.tiles = tiles;
     report.devices.push_back(device);
-    report.workers.push_back({0, 0, {{begin, report.end, tiles}}});
+    report.workers.push_back({0, 0, {{begin, report.end, tiles, report.seconds}}});
     return report;
 }
 

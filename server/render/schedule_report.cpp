@@ -6,7 +6,7 @@ namespace heliograph {
 
 double WorkerReport::busySeconds() const {
     double sum = 0.0;
-    for (const Span& span : batches) sum += span.end - span.begin;
+    for (const Span& span : batches) sum += span.busy;
     return sum;
 }
 

@@ -19,6 +19,7 @@ struct WorkerReport {
     struct Span {
         double begin = 0.0, end = 0.0;  // seconds, on the clock of wallSeconds
         uint32_t tiles = 0;
+        double busy = 0.0;  // seconds of it that were work
     };
     uint32_t device = 0;  // index in ScheduleReport::devices
     uint32_t stream = 0;

@@ -83,6 +83,7 @@ private:
     void fail(uint32_t device, const std::string& why);
     bool wait(std::unique_lock<std::mutex>& lock, bool giveUp);
     void close(std::unique_lock<std::mutex>& lock);
+    double busyOf(const Hand& hand, uint32_t device, double duration) const;
     void note(const Hand& hand, uint32_t device, double predicted, double busy);
     uint32_t tileAt(const Tile& tile) const;
 

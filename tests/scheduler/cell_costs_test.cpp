@@ -46,7 +46,7 @@ TEST(ScheduleReport, LossAndIdleTimeFollowFromSpans) {
     report.begin = 10.0;
     report.end = 14.0;
     report.seconds = 4.0;
-    report.workers = {{0, 0, {{10.0, 12.0, 5}, {12.5, 14.0, 3}}}, {1, 0, {{10.0, 13.0, 4}}}};
+    report.workers = {{0, 0, {{10.0, 12.0, 5, 2.0}, {12.5, 14.0, 3, 1.5}}}, {1, 0, {{10.0, 13.0, 4, 3.0}}}};
     EXPECT_DOUBLE_EQ(report.endLoss(), 0.5);  // 14 less (14 + 13) / 2
     EXPECT_DOUBLE_EQ(report.idleShare(report.workers[0]), 0.125);
     EXPECT_DOUBLE_EQ(report.idleShare(report.workers[1]), 0.25);
@@ -56,7 +56,7 @@ TEST(ScheduleReport, LossAndIdleTimeFollowFromSpans) {
     second.end = 16.0;
     second.seconds = 1.0;
     second.batches = 1;
-    second.workers = {{0, 0, {{15.0, 16.0, 1}}}};
+    second.workers = {{0, 0, {{15.0, 16.0, 1, 1.0}}}};
     report.append(second);
     ASSERT_EQ(report.devices.size(), 3u);
     EXPECT_EQ(report.workers.size(), 2u);

@@ -271,22 +271,24 @@ TEST_F(Team, ManualBalanceDoesNotWaitForASideThatStops) {
 }
 
 TEST_F(Team, NoisyCellsComeFirstWhenRefining) {
-    auto only = add("only");
+    add("only", 2)->spins = 2000;
     render(0);
+    devices[0]->forgetAsked();
     history->errors.assign(TILES, 0.0f);
-    history->errors[3 * 13 + 11] = 1.0f;
-    std::vector<uvec2> seen;
-    std::mutex mutex;
-    FrameRequest request;
-    request.resolution = SIZE;
-    request.history = history;
-    scheduler.render(request, film.tilesFor(1, 1, CELL), candidates(), memory,
-                     [&](TileResult&& result) {
-                         std::lock_guard lock(mutex);
-                         seen.push_back(result.tile.origin);
-                     }, {});
-    ASSERT_EQ(seen.size(), TILES);
-    EXPECT_EQ(seen.front(), uvec2(11, 3) * CELL);
+    std::vector<uvec2> noisy;
+    for (uint32_t i = 0; i < 10; i++) {
+        const uint32_t cell = (i % 5 + 1) * 13 + (i * 7) % 12;
+        history->errors[cell] = 1.0f + static_cast<float>(i);
+        noisy.push_back(uvec2(cell % 13, cell / 13) * CELL);
+    }
+    devices[0]->hold();
+    std::jthread frame([&] { render(1); });
+    ASSERT_TRUE(devices[0]->untilHeld(2));  // each stream has its first batch
+    std::vector<uvec2> first;
+    for (const auto& batch : devices[0]->asked()) first.insert(first.end(), batch.begin(), batch.end());
+    devices[0]->release();
+    EXPECT_LT(first.size(), TILES);
+    for (uvec2 origin : noisy) EXPECT_NE(std::ranges::find(first, origin), first.end()) << origin.x << ", " << origin.y;
 }
 
 // Random speeds, deaths, stalls, lies and duplicates: every frame is whole, each tile counted once.

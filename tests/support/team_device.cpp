@@ -61,6 +61,11 @@ void TeamDevice::render(const FrameRequest& request, std::span<const Tile> wante
 
 void TeamDevice::renderStream(const FrameRequest&, std::span<const Tile> wanted, const TileSink& sink, std::stop_token stop) {
     calls++;
+    {
+        std::lock_guard lock(mutex_);
+        std::vector<uvec2>& origins = asked_.emplace_back();
+        for (const Tile& tile : wanted) origins.push_back(tile.origin);
+    }
     for (size_t i = 0; i < wanted.size() && !stop.stop_requested(); i++) {
         waitHere();
         if (throwAfter >= 0 && throwAfter-- <= 0) {
@@ -84,6 +89,16 @@ void TeamDevice::waitHere() {
     changed_.notify_all();
     changed_.wait(lock, [&] { return !held_; });
     waiting_--;
+}
+
+std::vector<std::vector<uvec2>> TeamDevice::asked() {
+    std::lock_guard lock(mutex_);
+    return asked_;
+}
+
+void TeamDevice::forgetAsked() {
+    std::lock_guard lock(mutex_);
+    asked_.clear();
 }
 
 void TeamDevice::hold() {

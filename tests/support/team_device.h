@@ -25,6 +25,10 @@ public:
     /// Until so many calls wait there.
     bool untilHeld(int calls = 1);
 
+    /// Origins of the tiles of each call of renderStream.
+    std::vector<std::vector<uvec2>> asked();
+    void forgetAsked();
+
     std::atomic<int> throwAfter{-1};       // tiles, over all calls
     std::atomic<bool> leavesOut{false};    // the last tile of each call
     std::atomic<bool> everyTwice{false};
@@ -43,6 +47,7 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     bool held_ = false;
+    std::vector<std::vector<uvec2>> asked_;
     int waiting_ = 0;
 };
 

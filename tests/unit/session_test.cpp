@@ -302,7 +302,7 @@ TEST(Messages, StatisticsSayWhoTookPartAndWhyNot) {
     stats.schedule.end = 2.0;
     stats.schedule.seconds = 1.0;
     stats.schedule.batches = 4;
-    stats.schedule.workers = {{0, 0, {{1.0, 1.75, 9}}}};
+    stats.schedule.workers = {{0, 0, {{1.0, 1.75, 9, 0.75}}}};
     const json message = json::parse(statsMessage(stats));
     ASSERT_EQ(message["parts"].size(), 3u);
     EXPECT_EQ(message["parts"][0], json({{"device", "embree"}, {"part", "works"}, {"reason", ""}, {"mraysPerSecond", 5.0},

@@ -59,6 +59,7 @@ public:
         info.workers = static_cast<uint32_t>(tbb::this_task_arena::max_concurrency());
         info.streams = info.workers;
         info.batchSeconds = BATCH_SECONDS;
+        info.overlaps = true;  // all threads walk through the same part of the picture and share their caches
         return info;
     }
 
