@@ -181,10 +181,10 @@ std::shared_ptr<TileRun> TileScheduler::automatic(const Job& job, ScheduleMemory
     }
     auto run = std::make_shared<TileRun>(std::move(work), std::move(participants), absentees(job.candidates));
     run->render(crew_, job.stop, false);
-    const bool whole = run->failures().empty() && !job.stop.stop_requested() && run->report().reissued == 0;
+    const bool complete = run->failures().empty() && !job.stop.stop_requested();
     double delivered = 0.0;
     for (const DeviceReport& device : run->report().devices) delivered += device.cost;
-    if (trial && whole) trial->note(delivered, run->report().seconds, wallSeconds());
+    if (trial && complete) trial->note(delivered, run->report().seconds, wallSeconds());
     return run;
 }
 
