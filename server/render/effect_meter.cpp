@@ -148,7 +148,7 @@ std::optional<double> EffectMeter::frame(const Order& order, FrameRequest reques
     for (size_t done = 0; done < tiles.size();) {
         std::optional<Turns::Turn> turn = turns_.take(account_, stop);
         if (!turn) return std::nullopt;
-        const size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.contended()));
+        const size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.shared(account_)));
         const Clock::time_point begin = Clock::now();
         device.render(request, std::span(tiles).subspan(done, count), sink, stop);
         const double slice = std::chrono::duration<double>(Clock::now() - begin).count();

@@ -365,7 +365,7 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
             if (!next) return false;
             turn.emplace(std::move(*next));
         }
-        size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.contended()));
+        size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.shared(account_)));
         double seconds = renderSlice(request, std::span(tiles).subspan(done, count), film, cancelled, figures, partition.get());
         turn.reset();
         figures.lastPassSeconds += seconds;

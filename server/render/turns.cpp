@@ -43,9 +43,19 @@ void Turns::release(Account& account, double seconds) {
         account.used_ += seconds;
         account.finish_ = now_ + seconds;
         all_ += seconds;
+        if (latest_.account != &account) before_ = latest_;
+        latest_ = {&account, clock_()};
         taken_ = false;
     }
     changed_.notify_all();
+}
+
+bool Turns::shared(const Account& account) const {
+    constexpr double RECENT = 0.5;  // seconds
+    std::lock_guard lock(mutex_);
+    if (!waiting_.empty()) return true;
+    const Past& other = latest_.account == &account ? before_ : latest_;
+    return other.account != nullptr && other.account != &account && clock_() - other.end < RECENT;
 }
 
 size_t Turns::waiting() const {

@@ -49,12 +49,16 @@ public:
     /// How many wait.
     size_t waiting() const;
     bool contended() const { return waiting() > 0; }
+    /// Whether others wait or have had a turn in the last half second. Who comes back after every frame must not find the
+    /// device taken for long each time: turns should be short then.
+    bool shared(const Account& account) const;
     /// Seconds used by the account and by everybody.
     struct Used { double own = 0.0; double all = 0.0; };
     Used used(const Account& account) const;
 
 private:
     struct Waiter { Account* account; double start; };
+    struct Past { const Account* account = nullptr; double end = 0.0; };  // end of its last turn; seconds
 
     void release(Account& account, double seconds);
     const Waiter* next() const;
@@ -63,6 +67,7 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable_any changed_;
     std::vector<Waiter> waiting_;  // in order of arrival
+    Past latest_, before_;         // of two accounts; only compared, never followed
     bool taken_ = false;
     double now_ = 0.0;   // virtual time: the start of the turn in progress
     double all_ = 0.0;   // seconds

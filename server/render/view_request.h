@@ -46,7 +46,7 @@ struct Delivery {
 /// 0.4 s.
 bool frameDue(const Delivery& delivery);
 
-/// Tiles for one turn on the device: few while others wait, so that everybody's input is answered within some 30 ms.
+/// Tiles for one turn on the device: few while others want it too, so that nobody waits longer than some 10 ms for each of them.
 /// `secondsPerTile`: wall time measured last, 0 = unknown. `workers`: tiles in work at once.
 size_t tilesPerTurn(double secondsPerTile, uint32_t workers, bool contended);
 

@@ -8,7 +8,7 @@ const [program = 'build/release/heliograph', light = 'cornell', heavy = 'glass',
   process.argv.slice(2);
 const INPUT_EVERY_MS = 10;
 const LIGHT_SIZE = { width: 640, height: 360 };
-const HEAVY_SIZE = { width: 640, height: 360 };
+const HEAVY_SIZE = { width: 1920, height: 1080 };
 const values = Object.fromEntries(settings.map((text) => text.split('=')));
 
 async function opened(url, scene, size) {

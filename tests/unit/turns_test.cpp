@@ -118,5 +118,24 @@ TEST(Turns, ANewcomerDoesNotMakeUpForTheTimeBefore) {
     EXPECT_EQ(orderOf(turns, fresh, old), "21");
 }
 
+TEST(Turns, WhoCameBackLatelySharesThoughNobodyWaits) {
+    double now = 0.0;
+    Turns turns([&] { return now; });
+    Turns::Account light, heavy;
+    auto turn = [&](Turns::Account& account, double seconds) {
+        auto taken = turns.take(account, {});
+        now += seconds;
+    };
+    turn(heavy, 0.2);
+    EXPECT_FALSE(turns.shared(heavy));
+    turn(light, 0.01);
+    turn(heavy, 0.2);
+    EXPECT_TRUE(turns.shared(heavy));
+    EXPECT_TRUE(turns.shared(light));
+    turn(heavy, 0.4);
+    EXPECT_FALSE(turns.shared(heavy)) << "the other one has gone";
+    EXPECT_TRUE(turns.shared(light)) << "it would come back to one that is busy";
+}
+
 }  // namespace
 }  // namespace heliograph
