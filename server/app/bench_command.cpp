@@ -5,6 +5,7 @@
 #include "server/app/output_file.h"
 #include "server/app/progress_bar.h"
 #include "server/base/error.h"
+#include "server/base/machine.h"
 #include "server/lab/device_bench.h"
 #include "server/lab/frame_bench.h"
 #include "server/lab/hybrid_bench.h"
@@ -188,6 +189,7 @@ nlohmann::ordered_json measureHybrid(const Bench& bench, const BenchOptions& opt
     wanted.apart = false;
     wanted.settings.embreeThreads = std::thread::hardware_concurrency() - 1;
     pair->load(bench.scene, wanted.settings, progress);
+    const CoreLimit limit(CoreLimit::Cores::allButLast);  // the last one is lavapipe's
     result["forced"] = toJson(benchHybrid(*pair, *bench.scene, wanted, progress));
     result["forced"]["embree_threads"] = wanted.settings.embreeThreads;
     return result;

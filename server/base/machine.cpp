@@ -1,5 +1,6 @@
 #include "server/base/machine.h"
 
+#include <pthread.h>
 #include <sched.h>
 
 #include <algorithm>
@@ -56,5 +57,31 @@ uint32_t usableProcessors() {
 
 uint64_t residentBytes() { return kilobytesOf("VmRSS"); }
 uint64_t peakResidentBytes() { return kilobytesOf("VmHWM"); }
+
+namespace {
+
+void moveTo(const std::vector<int>& cores) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    for (int core : cores) CPU_SET(core, &set);
+    pthread_setaffinity_np(pthread_self(), sizeof set, &set);
+}
+
+}  // namespace
+
+CoreLimit::CoreLimit(Cores cores) {
+    cpu_set_t set;
+    if (cores == Cores::all || pthread_getaffinity_np(pthread_self(), sizeof set, &set) != 0 || CPU_COUNT(&set) < 2) return;
+    for (int core = 0; core < CPU_SETSIZE; core++) {
+        if (CPU_ISSET(core, &set)) before_.push_back(core);
+    }
+    std::vector<int> rest(before_.begin(), before_.end() - 1);
+    moveTo(cores == Cores::last ? std::vector<int>{before_.back()} : rest);
+}
+
+void CoreLimit::restore() {
+    if (!before_.empty()) moveTo(before_);
+    before_.clear();
+}
 
 }  // namespace heliograph

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace heliograph {
 
@@ -14,5 +15,20 @@ uint32_t usableProcessors();
 uint64_t residentBytes();
 /// The largest that residentBytes has been.
 uint64_t peakResidentBytes();
+
+/// Keeps the calling thread, and threads that it starts meanwhile, on some of the cores that it may use. For benchmarks that
+/// must not have two things on one core. Does nothing where there is only one.
+class CoreLimit {
+public:
+    enum class Cores { all, last, allButLast };
+    explicit CoreLimit(Cores cores);
+    ~CoreLimit() { restore(); }
+    CoreLimit(const CoreLimit&) = delete;
+    CoreLimit& operator=(const CoreLimit&) = delete;
+    void restore();
+
+private:
+    std::vector<int> before_;  // cores; empty: nothing to restore
+};
 
 }  // namespace heliograph

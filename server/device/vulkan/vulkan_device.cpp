@@ -1,13 +1,11 @@
 #include "server/device/vulkan/vulkan_device.h"
 
 #include "server/base/log.h"
+#include "server/base/machine.h"
 #include "server/device/vulkan/batch.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-
-#include <pthread.h>
-#include <sched.h>
 
 #include <algorithm>
 #include <array>
@@ -31,34 +29,10 @@ constexpr int ADDERS = 2;           // threads of a stream that add its results 
 constexpr uint64_t OVERLAPPED = 4;  // batches of a frame on a GPU
 constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to reach its clock
 
-/// Keeps the calling thread, and threads that it starts, on the last core until `restore`.
-class LastCore {
-public:
-    explicit LastCore(bool wanted) : wanted_(wanted) {
-        if (!wanted_) return;
-        pthread_getaffinity_np(pthread_self(), sizeof before_, &before_);
-        int last = 0;
-        for (int core = 0; core < CPU_SETSIZE; core++)
-            if (CPU_ISSET(core, &before_)) last = core;
-        cpu_set_t one;
-        CPU_ZERO(&one);
-        CPU_SET(last, &one);
-        pthread_setaffinity_np(pthread_self(), sizeof one, &one);
-    }
-    ~LastCore() { restore(); }
-    void restore() {
-        if (std::exchange(wanted_, false)) pthread_setaffinity_np(pthread_self(), sizeof before_, &before_);
-    }
-
-private:
-    bool wanted_;
-    cpu_set_t before_;
-};
-
 class VulkanDevice : public Device {
 public:
     VulkanDevice(const std::string& which, const VulkanOptions& options)
-        : pinned_(options.lastCoreOnly), context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
+        : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all), context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
           pipelines_(gpu_, GpuScene::widthFor(gpu_.physical())) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
@@ -321,7 +295,7 @@ private:
         size_.secondsPerSample = 0.0;
     }
 
-    LastCore pinned_;  // first: threads that start below stay where it is
+    CoreLimit pinned_;  // first: threads that start below stay where it is
     std::shared_ptr<VulkanContext> context_;
     Gpu gpu_;
     std::string name_, silicon_;
