@@ -75,9 +75,8 @@ nlohmann::ordered_json shareJson(const ScheduleReport& report) {
     double total = 0.0;
     for (const DeviceReport& device : report.devices) total += device.cost;
     for (const DeviceReport& device : report.devices) {
-        static constexpr const char* PARTS[] = {"works", "probes", "parked"};
         parts.push_back({{"device", device.name},
-                         {"part", device.lost ? "lost" : PARTS[static_cast<int>(device.part.part)]},
+                         {"part", device.partWord()},
                          {"reason", device.part.reason},
                          {"share", total > 0.0 ? device.cost / total : 0.0},
                          {"mrays_per_s", 1e-6 * device.rate}});

@@ -1,6 +1,7 @@
 #include "server/lab/schedule_policies.h"
 
 #include "server/base/clock.h"
+#include "server/render/cell_costs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,20 +14,6 @@ namespace {
 constexpr uint32_t FIXED_TILE = 64;  // pixels
 constexpr double AT_REST = 0.01;     // a cell's cost deviates by less from its prediction, as a share of the mean
 constexpr EffectSet EFFECTS{};       // a run has one set of them
-
-uint32_t cellCount(const CellGrid& grid) { return grid.cells.x * grid.cells.y; }
-
-std::vector<uint32_t> centreFirst(const CellGrid& grid) {
-    std::vector<uint32_t> order(cellCount(grid));
-    std::iota(order.begin(), order.end(), 0u);
-    auto distance = [&](uint32_t cell) {
-        const double x = cell % grid.cells.x - 0.5 * (grid.cells.x - 1);
-        const double y = cell / grid.cells.x - 0.5 * (grid.cells.y - 1);
-        return x * x + y * y;
-    };
-    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return distance(a) < distance(b); });
-    return order;
-}
 
 std::vector<double> proportions(std::span<const SimulatedDevice> devices) {
     std::vector<double> shares;
@@ -109,7 +96,7 @@ private:
 }  // namespace
 
 OurPolicy::OurPolicy(std::span<const SimulatedDevice> devices, const CellGrid& grid)
-    : lost_(devices.size(), 0), order_(centreFirst(grid)) {
+    : lost_(devices.size(), 0), order_(centreFirst(grid.cells)) {
     for (const SimulatedDevice& d : devices) {
         BalanceDevice& known = devices_.emplace_back();
         known.name = d.name;

@@ -38,9 +38,8 @@ json partsJson(const ScheduleReport& report) {
             idle += report.idleShare(worker);
             workers++;
         }
-        static constexpr const char* PARTS[] = {"works", "probes", "parked"};
         parts.push_back({{"device", device.name},
-                         {"part", device.lost ? "lost" : PARTS[static_cast<int>(device.part.part)]},
+                         {"part", device.partWord()},
                          {"reason", device.part.reason},
                          {"mraysPerSecond", 1e-6 * finite(device.rate)},
                          {"share", total > 0.0 ? device.cost / total : 0.0},

@@ -4,6 +4,11 @@
 
 namespace heliograph {
 
+const char* DeviceReport::partWord() const {
+    static constexpr const char* WORDS[] = {"works", "probes", "parked"};
+    return lost ? "lost" : WORDS[static_cast<int>(part.part)];
+}
+
 double WorkerReport::busySeconds() const {
     double sum = 0.0;
     for (const Span& span : batches) sum += span.busy;

@@ -12,6 +12,9 @@ struct DeviceReport {
     double rate = 0.0;     // cost a second of all its streams, as predicted; 0 = not measured
     double cost = 0.0;     // of what it delivered first
     uint32_t tiles = 0;
+
+    /// works, probes, parked or lost, as JSON says it.
+    const char* partWord() const;
 };
 
 /// One stream of one device.

@@ -8,21 +8,9 @@ namespace heliograph::test {
 namespace {
 
 TileResult made(const Tile& tile) {
-    TileResult result;
-    result.tile = tile;
-    result.device = "fake";
-    result.rays[RayKind::primary] = static_cast<uint64_t>(tile.size.x) * tile.size.y * tile.sampleCount;
+    TileResult result = fakeResult(tile, "fake");
     result.rays[RayKind::shadow] = 2;
     result.nonfiniteSamples = 1;
-    for (uint32_t y = 0; y < tile.size.y; y++) {
-        for (uint32_t x = 0; x < tile.size.x; x++) {
-            vec4 sum(0.0f);
-            for (uint32_t s = 0; s < tile.sampleCount; s++) {
-                sum += fakeRadiance(tile.origin.x + x, tile.origin.y + y, tile.firstSample + s);
-            }
-            result.radianceSum.push_back(sum);
-        }
-    }
     return result;
 }
 
@@ -34,6 +22,23 @@ vec4 fakeRadiance(uint32_t x, uint32_t y, uint32_t sample) {
     vec3 color(grey, 0.5f * grey, 1.0f - grey);
     float luminance = 0.2126f * color.x + 0.7152f * color.y + 0.0722f * color.z;
     return vec4(color, luminance * luminance);
+}
+
+TileResult fakeResult(const Tile& tile, const std::string& device) {
+    TileResult result;
+    result.tile = tile;
+    result.device = device;
+    result.rays[RayKind::primary] = static_cast<uint64_t>(tile.size.x) * tile.size.y * tile.sampleCount;
+    for (uint32_t y = 0; y < tile.size.y; y++) {
+        for (uint32_t x = 0; x < tile.size.x; x++) {
+            vec4 sum(0.0f);
+            for (uint32_t s = 0; s < tile.sampleCount; s++) {
+                sum += fakeRadiance(tile.origin.x + x, tile.origin.y + y, tile.firstSample + s);
+            }
+            result.radianceSum.push_back(sum);
+        }
+    }
+    return result;
 }
 
 void FakeDevice::load(std::shared_ptr<const Scene> loaded, const Settings&, const Progress& progress) {

@@ -8,6 +8,9 @@ namespace heliograph::test {
 /// Radiance of sample `sample` of pixel (x, y).
 vec4 fakeRadiance(uint32_t x, uint32_t y, uint32_t sample);
 
+/// All of a tile's samples by that formula; one camera ray each.
+TileResult fakeResult(const Tile& tile, const std::string& device);
+
 class FakeDevice : public Device {
 public:
     DeviceInfo info() const override { return {"fake", "for tests", "none", threads}; }
