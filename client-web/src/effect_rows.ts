@@ -20,6 +20,7 @@ export interface EffectRow {
   readonly help: string;
   readonly calledFor: boolean;
   readonly because: string;
+  readonly simulated: boolean;
   /** The setting that allows it; null: nothing can forbid it. */
   readonly setting: SettingRow | null;
 }
@@ -27,11 +28,11 @@ export interface EffectRow {
 /** One row per effect, those that the scene calls for first, else in the server's order. */
 export function effectRows(effects: readonly EffectReason[], schema: readonly SettingRow[]): readonly EffectRow[] {
   const rows = effects.map((effect) => {
-    const { name, calledFor, because, help } = effect;
+    const { name, calledFor, because, help, simulated } = effect;
     // An older server names no setting: the switch of an effect bears the effect's name.
     const setting = schema.find((row) => row.name === (effect.setting ?? name)) ?? null;
     const own = setting !== null && setting.name === name && setting.type === 'bool';
-    return { name, label: own ? setting.label : capitalised(spacedWords(name)), help, calledFor, because, setting };
+    return { name, label: own ? setting.label : capitalised(spacedWords(name)), help, calledFor, because, simulated, setting };
   });
   return [...rows.filter((row) => row.calledFor), ...rows.filter((row) => !row.calledFor)];
 }
@@ -45,6 +46,7 @@ export const allows = (value: SettingValue | undefined): boolean => value !== fa
 export function effectState(row: EffectRow, allowed: boolean): string {
   const because = row.because === '' ? '' : `: ${row.because}`;
   if (!row.calledFor) return `off${because}`;
+  if (!row.simulated) return `not simulated${because}`;
   return allowed ? `on${because}` : `switched off, the scene calls for it${because}`;
 }
 

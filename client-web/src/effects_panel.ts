@@ -33,8 +33,9 @@ export class EffectsPanel {
     const effects = this.viewer_.state.ready?.effects ?? [];
     const schema = this.viewer_.settings.rows;
     if (this.builtOf_?.[0] !== effects || this.builtOf_[1] !== schema) this.build(effects, schema);
-    const on = this.items_.filter(({ row }) => row.calledFor && this.allowed(row)).length;
-    setText(this.panel_.summary, effects.length === 0 ? 'no scene yet' : `${on} of ${effects.length} on`);
+    const can = this.items_.filter(({ row }) => row.simulated);
+    const on = can.filter(({ row }) => row.calledFor && this.allowed(row)).length;
+    setText(this.panel_.summary, effects.length === 0 ? 'no scene yet' : `${on} of ${can.length} on`);
     if (!this.panel_.isOpen) return;
     const rays = this.viewer_.state.stats?.rays ?? null;
     const { state } = this.viewer_.effectCosts;
@@ -54,14 +55,18 @@ export class EffectsPanel {
     this.items_ = effectRows(effects, schema).map(
       (row) => new EffectItem(row, (setting, value) => this.viewer_.setSettings({ [setting]: value })),
     );
-    const list = (title: string, calledFor: boolean): HTMLElement | string => {
-      const items = this.items_.filter(({ row }) => row.calledFor === calledFor).map((item) => item.element);
+    const list = (title: string, belongs: (row: EffectRow) => boolean): HTMLElement | string => {
+      const items = this.items_.filter(({ row }) => belongs(row)).map((item) => item.element);
       const id = uniqueId('effects');
       return items.length === 0
         ? ''
         : el('section', {}, el('h3', { id }, title), el('ul', { 'aria-labelledby': id }, ...items));
     };
-    this.lists_.replaceChildren(list('Called for by this scene', true), list('Not called for', false));
+    this.lists_.replaceChildren(
+      list('Called for by this scene', (row) => row.calledFor && row.simulated),
+      list('Called for, not simulated', (row) => row.calledFor && !row.simulated),
+      list('Not called for', (row) => !row.calledFor),
+    );
   }
 
   private refreshCosts(): void {
@@ -118,7 +123,7 @@ class EffectItem {
 
   show(allowed: boolean, figures: string): void {
     if (this.switch_ !== null) this.switch_.checked = allowed;
-    const on = this.row.calledFor && allowed;
+    const on = this.row.calledFor && this.row.simulated && allowed;
     this.element.classList.toggle('on', on);
     setText(this.state_, effectState(this.row, allowed));
     setText(this.figures_, figures);

@@ -40,6 +40,7 @@ export interface EffectReason {
   readonly because: string;
   readonly setting: string | null; // that switches it
   readonly help: string;
+  readonly simulated: boolean; // false: the server knows of it, and no device can
 }
 
 /** What an effect costs, measured with and without it. */
@@ -248,6 +249,7 @@ function sceneReadyOf(fields: Fields): SceneReady {
         because: textOf(effect['because']),
         setting: textOf(effect['setting']) || null,
         help: textOf(effect['help']),
+        simulated: effect['simulated'] !== false, // an older server does not say
       };
     }),
   };

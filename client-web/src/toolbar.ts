@@ -116,7 +116,7 @@ class InfoPopover {
       [
         'Effects',
         ready.effects
-          .filter((effect) => effect.calledFor)
+          .filter((effect) => effect.calledFor && effect.simulated)
           .map((effect) => spacedWords(effect.name))
           .join(', ') || 'none',
       ],

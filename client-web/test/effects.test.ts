@@ -58,6 +58,12 @@ test('effectState: not called for, allowed, switched off', () => {
   assert.deepEqual([true, 0.1, undefined, false, 0].map(allows), [true, true, true, false, false]);
 });
 
+test('effectState: called for, but nothing simulates it', () => {
+  const fields = { name: 'skinning', calledFor: true, because: '2 skinned meshes; shown at rest', simulated: false };
+  const [row] = effectRows(effects([fields]), SCHEMA);
+  assert.equal(effectState(row!, true), 'not simulated: 2 skinned meshes; shown at rest');
+});
+
 test('effectFigures: rays of the kinds that one effect shoots alone, and the measured cost', () => {
   const reasons: readonly EffectReason[] = effects(
     ['shadows', 'ambientOcclusion', 'textures'].map((name) => ({ name, calledFor: true, because: '' })),

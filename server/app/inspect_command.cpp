@@ -26,9 +26,13 @@ size_t surfaceImages(const Scene& scene) {
     return scene.images.size() - (scene.environment.image == NO_INDEX || scene.images.empty() ? 0 : 1);
 }
 
-void printEffects(const nlohmann::ordered_json& effects, bool calledFor, std::ostream& out) {
+/// Those whose called_for and simulated are the given ones, under a title; nothing where there are none.
+void printEffects(const nlohmann::ordered_json& effects, const char* title, bool calledFor, bool simulated, std::ostream& out) {
+    bool titled = false;
     for (const auto& effect : effects) {
-        if (effect["called_for"].get<bool>() != calledFor) continue;
+        if (effect["called_for"].get<bool>() != calledFor || effect["simulated"].get<bool>() != simulated) continue;
+        if (!titled) out << "\n" << title << "\n";
+        titled = true;
         char name[48];
         std::snprintf(name, sizeof name, "  %-26s", effect["name"].get<std::string>().c_str());
         out << name << oneLine(effect["because"].get<std::string>()) << "\n";
@@ -62,10 +66,9 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
     row("bounds", corner(scene.bounds.low) + " to " + corner(scene.bounds.high) + " m");
     row("cameras", joined(scene.cameras));
     row("camera paths", joined(scene.paths));
-    out << "\ncalls for\n";
-    printEffects(json["effects"], true, out);
-    out << "\ndoes not call for\n";
-    printEffects(json["effects"], false, out);
+    printEffects(json["effects"], "calls for", true, true, out);
+    printEffects(json["effects"], "calls for, but not simulated", true, false, out);
+    printEffects(json["effects"], "does not call for", false, true, out);
     if (!scene.warnings.empty()) out << "\nwarnings\n";
     for (const std::string& warning : scene.warnings) out << "  " << oneLine(warning) << "\n";
 }
@@ -81,7 +84,8 @@ nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, d
         effects.push_back({{"name", reason.name},
                            {"called_for", reason.calledFor},
                            {"because", reason.because},
-                           {"setting", reason.setting}});
+                           {"setting", reason.setting},
+                           {"simulated", reason.simulated}});
     }
     return {{"scene", name},
             {"triangles", scene.triangleCount()},

@@ -153,7 +153,8 @@ std::shared_ptr<ResidentScene> SceneCache::make(const std::string& name) {
     progress("Opening " + name, 0.0);
     auto resident = std::make_shared<ResidentScene>();
     resident->scene = opener_(name, [&](const std::string& what, double share) { progress(what, OPENING_SHARE * share); });
-    resident->effects = effectsOf(*resident->scene);
+    resident->reasons = explainEffects(*resident->scene);
+    resident->effects = calledFor(resident->reasons);
     resident->device = makeDevice_();
     resident->device->load(resident->scene, settings_, [&](const std::string& what, double share) {
         progress(what, OPENING_SHARE + (1.0 - OPENING_SHARE) * share);

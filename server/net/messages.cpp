@@ -66,13 +66,13 @@ std::string sceneLoadingMessage(const std::string& name, const std::string& what
                  {"share", std::clamp(finite(share), 0.0, 1.0)}});
 }
 
-std::string sceneReadyMessage(const std::string& name, const Scene& scene) {
+std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons) {
     json cameras = json::array(), paths = json::array(), effects = json::array();
     for (const NamedCamera& camera : scene.cameras) cameras.push_back(cameraJson(camera));
     for (const CameraPath& path : scene.paths) paths.push_back(path.name);
-    for (const EffectReason& row : explainEffects(scene)) {
+    for (const EffectReason& row : reasons) {
         effects.push_back({{"name", row.name}, {"calledFor", row.calledFor}, {"because", row.because},
-                           {"setting", row.setting}, {"help", row.help}});
+                           {"setting", row.setting}, {"help", row.help}, {"simulated", row.simulated}});
     }
     json bounds = nullptr;
     if (!scene.bounds.empty()) bounds = {{"low", array(scene.bounds.low)}, {"high", array(scene.bounds.high)}};

@@ -34,7 +34,7 @@ struct ViewerStats {
 /// `devices`: the words of the setting `device` that the schema shall offer.
 std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices);
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share);
-std::string sceneReadyMessage(const std::string& name, const Scene& scene);
+std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons);
 std::string sceneFailedMessage(const std::string& name, const std::string& why);
 /// `inputId` names the message that this answers, if any.
 std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);

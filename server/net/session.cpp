@@ -303,7 +303,7 @@ void Session::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
     dropEffectCosts("the scene was changed before they were measured");
     request_.camera = cameraFrom(scene_->scene->cameras.front());
     request_.received = Clock::now();
-    socket_->sendText(sceneReadyMessage(sceneName_, *scene_->scene));
+    socket_->sendText(sceneReadyMessage(sceneName_, *scene_->scene, scene_->reasons));
     bool visible = request_.resolution.x > 0;
     loop_.setScene(scene_, visible ? std::optional(request_) : std::nullopt);
 }

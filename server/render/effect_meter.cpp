@@ -90,7 +90,7 @@ std::optional<EffectCosts> EffectMeter::measured(const Order& order, std::stop_t
     base.camera = order.view.camera;
     base.settings = order.view.settings;
     base.effects.bits = order.scene->effects.bits & allowedEffects(base.settings).bits;
-    const std::vector<EffectPair> pairs = effectPairs(explainEffects(*order.scene->scene), base);
+    const std::vector<EffectPair> pairs = effectPairs(order.scene->reasons, base);
     std::vector<Round> rounds{{base, {}, {}}};  // the view itself, then on and off of each effect that makes a difference
     for (const EffectPair& pair : pairs) {
         if (!pair.differs()) continue;

@@ -8,6 +8,7 @@ std::vector<EffectPair> effectPairs(const std::vector<EffectReason>& effects, co
     const EffectSet called = calledFor(effects);
     std::vector<EffectPair> pairs;
     for (const EffectReason& effect : effects) {
+        if (!effect.simulated) continue;
         EffectPair pair{effect, base, base};
         if (!effect.setting.empty()) pair.on.settings.set(effect.setting, true);
         pair.on.effects.bits = called.bits & allowedEffects(pair.on.settings).bits;
@@ -16,14 +17,6 @@ std::vector<EffectPair> effectPairs(const std::vector<EffectReason>& effects, co
         pairs.push_back(std::move(pair));
     }
     return pairs;
-}
-
-EffectSet calledFor(const std::vector<EffectReason>& effects) {
-    EffectSet called;
-    for (const EffectReason& effect : effects) {
-        if (effect.calledFor) called.bits |= effect.bit;
-    }
-    return called;
 }
 
 Settings withAllAllowed(Settings settings) {

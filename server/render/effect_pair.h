@@ -17,9 +17,6 @@ struct EffectPair {
 /// One pair per row of `effects`, the scene's. `base` gives camera, settings and resolution; its own effects do not count.
 std::vector<EffectPair> effectPairs(const std::vector<EffectReason>& effects, const FrameRequest& base);
 
-/// The bits of the rows that the scene calls for.
-EffectSet calledFor(const std::vector<EffectReason>& effects);
-
 /// Settings that allow everything: each switch of an effect that is on by default is on. Switches that are off by default
 /// (ambient occlusion) are a viewer's choice, no scene's, and stay as they are.
 Settings withAllAllowed(Settings settings);

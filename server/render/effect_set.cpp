@@ -50,8 +50,8 @@ std::string withThousands(uint64_t number) {
     return digits;
 }
 
-std::string counted(uint64_t number, const std::string& noun) {
-    return withThousands(number) + " " + noun + (number == 1 ? "" : "s");
+std::string counted(uint64_t number, const std::string& noun, const char* plural = "s") {
+    return withThousands(number) + " " + noun + (number == 1 ? "" : plural);
 }
 
 struct Finding {
@@ -272,6 +272,29 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
     return {true, "no rule in render/effect_set"};
 }
 
+/// "2 animations (walk, run)": the first names that there are.
+std::string listed(const std::vector<std::string>& names, const std::string& noun) {
+    constexpr size_t NAMED = 4;
+    std::string some;
+    for (size_t i = 0; i < std::min(names.size(), NAMED); i++) {
+        if (!names[i].empty()) some += (some.empty() ? "" : ", ") + names[i];
+    }
+    if (names.size() > NAMED && !some.empty()) some += ", ...";
+    return counted(names.size(), noun) + (some.empty() ? "" : " (" + some + ")");
+}
+
+/// Scenes are shown at rest, and the list says so.
+std::vector<EffectReason> notSimulated(const AtRest& atRest) {
+    auto row = [](const char* name, size_t number, const std::string& what, const char* lack, const char* help) {
+        return EffectReason{name, 0, number > 0, number > 0 ? what + "; shown at rest" : lack, "", help, false};
+    };
+    return {row("animation", atRest.animations.size(), listed(atRest.animations, "animation"), "no animation in the file", "Objects that move in time."),
+            row("skinning", atRest.skinnedMeshes, counted(atRest.skinnedMeshes, "skinned mesh", "es"), "no skin in the file",
+                "Surfaces that follow a skeleton."),
+            row("morphing", atRest.morphedMeshes, counted(atRest.morphedMeshes, "mesh", "es") + " with morph targets", "no morph targets in the file",
+                "Surfaces that blend between shapes.")};
+}
+
 }  // namespace
 
 std::vector<EffectReason> explainEffects(const Scene& scene) {
@@ -280,20 +303,23 @@ std::vector<EffectReason> explainEffects(const Scene& scene) {
 #define EFFECT(bit, CONSTANT, name, setting, help)                                              \
     {                                                                                           \
         Finding finding = findingFor(CONSTANT, usage);                                          \
-        reasons.push_back({name, CONSTANT, finding.calledFor, finding.because, setting, help}); \
+        reasons.push_back({name, CONSTANT, finding.calledFor, finding.because, setting, help, true}); \
     }
 #include "shaders/kernel/effect_table.glsl"
 #undef EFFECT
+    for (EffectReason& row : notSimulated(scene.atRest)) reasons.push_back(std::move(row));
     return reasons;
 }
 
-EffectSet effectsOf(const Scene& scene) {
-    EffectSet effects;
-    for (const EffectReason& reason : explainEffects(scene)) {
-        if (reason.calledFor) effects.bits |= reason.bit;
+EffectSet calledFor(const std::vector<EffectReason>& effects) {
+    EffectSet called;
+    for (const EffectReason& effect : effects) {
+        if (effect.calledFor) called.bits |= effect.bit;
     }
-    return effects;
+    return called;
 }
+
+EffectSet effectsOf(const Scene& scene) { return calledFor(explainEffects(scene)); }
 
 EffectSet allowedEffects(const Settings& settings) {
     const nlohmann::json values = settings.toJson();

@@ -20,10 +20,13 @@ struct EffectReason {
     std::string because;  // which material, light or image, and how many triangles; or what is lacking
     std::string setting;  // that switches it, or ""
     std::string help;
+    bool simulated = true;  // false: no device can; bit is 0
 };
 
-/// One row per effect of the table.
+/// One row per effect of the table, then those that files may call for and nothing here simulates yet.
 std::vector<EffectReason> explainEffects(const Scene& scene);
+/// The bits of the rows that the scene calls for.
+EffectSet calledFor(const std::vector<EffectReason>& effects);
 /// The effects that the scene calls for.
 EffectSet effectsOf(const Scene& scene);
 /// The effects that the settings allow.

@@ -22,7 +22,8 @@ namespace heliograph {
 struct ResidentScene {
     std::shared_ptr<const Scene> scene;
     std::shared_ptr<Device> device;
-    EffectSet effects;  // that the scene calls for
+    std::vector<EffectReason> reasons;  // explainEffects of the scene
+    EffectSet effects;                  // that it calls for
 };
 
 /// What the passes since the last frame cost.

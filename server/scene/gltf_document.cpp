@@ -235,6 +235,13 @@ std::vector<float> lightRadiiOf(const json& root) {
     return radii;
 }
 
+std::vector<std::string> animationsOf(const json& root) {
+    std::vector<std::string> names;
+    if (!root.contains("animations")) return names;
+    for (const json& animation : root["animations"]) names.push_back(animation.value("name", ""));
+    return names;
+}
+
 /// Removes what tinygltf need not see (bytes, and what is not drawn), so that its structs stay small.
 void strip(json& value, int depth = 0) {
     if (value.is_object()) {
@@ -276,7 +283,8 @@ GltfDocument readGltf(const std::filesystem::path& path) {
     const Parts parts = splitFile(bytes, document.file, document.warnings);
     json root = parseJson(parts.json, document.file);
     checkGltfJson(root, document.file, document.warnings);
-    if (root.contains("animations") && !root["animations"].empty())
+    document.animations = animationsOf(root);
+    if (!document.animations.empty())
         document.warnings.push_back("animations are not played: the scene is shown at rest");
     Resources resources(document, path, parts);
     resources.readBuffers(root);

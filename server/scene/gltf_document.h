@@ -34,6 +34,7 @@ struct GltfDocument {
     /// KHR_lights_punctual knows points alone: an extent is the light's `extras.radius`, metres; directional: the tangent of its
     /// angular radius. One per light, 0 where there is none.
     std::vector<float> lightRadii;
+    std::vector<std::string> animations;  // names; tinygltf need not see the rest of them
     std::vector<std::string> warnings;
     uint64_t sourceBytes = 0;  // of the file and what it refers to, each once
 

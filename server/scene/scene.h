@@ -38,6 +38,13 @@ struct CameraPath {
     std::vector<Key> keys;  // at least 2
 };
 
+/// What its file would have moving; a scene is shown at rest.
+struct AtRest {
+    std::vector<std::string> animations;  // their names, "" for those without
+    uint32_t skinnedMeshes = 0;
+    uint32_t morphedMeshes = 0;           // with morph targets; the file's weights are applied
+};
+
 class Scene {
 public:
     std::string name;                 // as the user asked for it
@@ -59,6 +66,7 @@ public:
     std::vector<NamedCamera> cameras;        // at least one; the first is where a viewer starts
     std::vector<CameraPath> paths;           // may be empty
     std::vector<std::string> warnings;       // what the loader changed, ignored or added
+    AtRest atRest;
     Bounds bounds;                           // world space
     float aoRadius = 1.0f;                   // metres: what aoRadius = 1 means in this scene
     float exposure = 0.0f;                   // EV that suits the scene, added to the viewer's

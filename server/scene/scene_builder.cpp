@@ -184,6 +184,7 @@ void SceneBuilder::setEnvironmentImage(uint32_t image, float intensity, float ro
 
 void SceneBuilder::setAoRadius(float metres) { data_->aoRadius = metres; }
 void SceneBuilder::setExposure(float ev) { data_->scene.exposure = ev; }
+void SceneBuilder::setAtRest(AtRest atRest) { data_->scene.atRest = std::move(atRest); }
 void SceneBuilder::warn(const std::string& message) { addWarning(*data_, message); }
 
 std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {

@@ -54,6 +54,7 @@ public:
     void setEnvironmentImage(uint32_t image, float intensity = 1.0f, float rotation = 0.0f);
     void setAoRadius(float metres);
     void setExposure(float ev);
+    void setAtRest(AtRest atRest);
     void warn(const std::string& message);
 
     /// Ends the building; the builder is empty afterwards.

@@ -238,6 +238,8 @@ async function effectChecks(checks, session) {
     expect(figures === '2.31 M rays', figures);
     expect(await effect('textures').locator('.effect-figures').isHidden(), 'a figure at textures');
     expect((await effect('textures').locator('input').count()) === 0, 'a switch at textures');
+    const moving = await effect('animation').locator('.effect-state').textContent();
+    expect(moving.startsWith('not simulated: 2 animations'), `animation: ${moving}`);
     const covered = [...(await badControls(page)), ...(await overlaps(page))];
     expect(covered.length === 0, covered.join('\n'));
   });

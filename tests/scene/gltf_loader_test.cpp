@@ -59,6 +59,22 @@ TEST(GltfLoader, ReadsTheRadiusOfALightFromItsExtras) {
     EXPECT_EQ(lightOf(R"(,"extras":"wide")").radius, 0.0f);
 }
 
+TEST(GltfLoader, RemembersWhatTheFileWouldHaveMoving) {
+    const std::string sampler = R"("samplers":[{"input":0,"output":0}],"channels":[{"sampler":0,"target":{"path":"scale"}}]})";
+    const std::string animations = R"(,"animations":[{"name":"walk",)" + sampler + ",{" + sampler + "]";
+    std::string json = triangleJson(dataUri(triangleBytes()), animations + R"(,"skins":[{"joints":[0]}])");
+    const auto change = [&json](const std::string& from, const std::string& to) { json.replace(json.find(from), from.size(), to); };
+    change(R"("nodes":[{"mesh":0}])", R"("nodes":[{"mesh":0,"skin":0}])");
+    change(R"({"POSITION":0})", R"({"POSITION":0},"targets":[{"POSITION":0}])");
+    const auto scene = openText(json);
+    EXPECT_EQ(scene->atRest.animations, (std::vector<std::string>{"walk", ""}));
+    EXPECT_EQ(scene->atRest.skinnedMeshes, 1u);
+    EXPECT_EQ(scene->atRest.morphedMeshes, 1u);
+    const auto still = openText(triangleJson(dataUri(triangleBytes())));
+    EXPECT_TRUE(still->atRest.animations.empty());
+    EXPECT_EQ(still->atRest.skinnedMeshes + still->atRest.morphedMeshes, 0u);
+}
+
 TEST(GltfLoader, NeverLeavesItsFolder) {
     const ScratchFolder outer;
     outer.write("secret.bin", triangleBytes());

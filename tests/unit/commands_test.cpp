@@ -289,6 +289,7 @@ TEST(Inspection, CountsWhatIsUsed) {
     EXPECT_EQ(json["effects"][0]["name"], "shadows");
     EXPECT_EQ(json["effects"][0]["called_for"], true);
     EXPECT_EQ(json["effects"][0]["setting"], "shadows");
+    EXPECT_EQ(json["effects"][0]["simulated"], true);
     EXPECT_EQ(json["warnings"], ordered_json(scene->warnings));
     EXPECT_EQ(json["ms"]["load"], 12.5);
     EXPECT_GE(json["ms"]["effects"].get<double>(), 0.0);

@@ -25,7 +25,7 @@ TEST(EffectBench, EachEffectIsMeasuredInPairsOfChangingOrder) {
     FakeDevice device;
     EffectBenchResult result = benchEffects(device, *test::squareScene(), smallBench(), {});
     const size_t rows = result.rows.size();
-    ASSERT_EQ(rows, explainEffects(*test::squareScene()).size());
+    ASSERT_EQ(rows, effectNames({~0u}).size());
     ASSERT_EQ(device.requests.size(), 3 * 2 * rows) << "one round warms up";
     for (size_t i = 0; i < rows; i++) {
         const uint32_t bit = result.rows[i].effect.bit;

@@ -127,7 +127,7 @@ std::shared_ptr<ResidentScene> sceneOn(std::shared_ptr<Device> device, bool with
         path.keys = {{vec3(5, 0, 0), vec3(0)}, {vec3(0, 0, 5), vec3(0)}, {vec3(-5, 0, 0), vec3(0)}};
         scene->paths.push_back(path);
     }
-    return std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), {}});
+    return std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), {}, {}});
 }
 
 /// Input `id` looks from (id, 0, 0).

@@ -43,7 +43,7 @@ std::shared_ptr<ResidentScene> residentScene(const std::string& name, bool withP
         path.keys = {{vec3(5, 0, 0), vec3(0)}, {vec3(0, 0, 5), vec3(0)}};
         scene->paths.push_back(path);
     }
-    return std::make_shared<ResidentScene>(ResidentScene{scene, std::make_shared<GreyDevice>(), {}});
+    return std::make_shared<ResidentScene>(ResidentScene{scene, std::make_shared<GreyDevice>(), explainEffects(*scene), {}});
 }
 
 class FakeHost : public SessionHost {
@@ -404,6 +404,9 @@ TEST(Session, EffectsComeWithTheirSwitchesAndHelp) {
     EXPECT_EQ(effects[0]["setting"], "shadows");
     EXPECT_EQ(effects[0]["calledFor"], false);
     EXPECT_EQ(effects[6]["setting"], "");
+    EXPECT_EQ(effects[0]["simulated"], true);
+    EXPECT_EQ(effects.back()["name"], "morphing");
+    EXPECT_EQ(effects.back()["simulated"], false);
     for (const json& effect : effects) EXPECT_FALSE(effect["help"].get<std::string>().empty()) << effect["name"];
 }
 
