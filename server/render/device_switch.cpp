@@ -64,6 +64,7 @@ public:
         }
         if (first_ != HYBRID) {
             usable(first_, settings, progress);
+            if (hasSpare(first_) && !options_.patient) background_.run(scheduler_.crew(), [this, settings] { loadSpare(settings); });
             return;
         }
         bool any = false;
@@ -150,6 +151,15 @@ private:
         if (!hasSpare(name)) return loadNow(entry(name), settings, progress);
         std::shared_ptr<Device> device = loaded(name, settings, progress);
         return device ? device : loadNow(entry(offer_.spare), settings, progress);
+    }
+
+    /// So that it can take over within a frame's time. If that fails, it is tried again when it is needed.
+    void loadSpare(const Settings& settings) {
+        try {
+            loadNow(entry(offer_.spare), settings, {});
+        } catch (const std::exception& error) {
+            log().warn("{} cannot stand by: {}", offer_.spare, error.what());
+        }
     }
 
     void setAside(const std::string& name, const std::string& why) {

@@ -19,7 +19,7 @@ struct DeviceOffer {
     /// Throws InputError for a device that is not there, std::runtime_error if it cannot start.
     std::function<std::unique_ptr<Device>(const std::string& name)> make;
     std::vector<std::string> team;   // devices of hybrid, the one that is ready soonest first
-    std::string spare;               // that takes over from a traced device that failed; empty: none does
+    std::string spare;               // that takes over from a traced device that compiles or failed; empty: none does
 };
 
 struct DeviceSwitchOptions {
@@ -29,7 +29,7 @@ struct DeviceSwitchOptions {
 };
 
 /// `load` gives the scene to the device that its settings name; the others get it in `prepare`, or in `render` for want of
-/// it; hybrid's get it in the background. A device that could not be started or loaded is tried again when it is asked for by
+/// it; hybrid's get it in the background, so does the spare of a traced device unless the switch is patient. A device that could not be started or loaded is tried again when it is asked for by
 /// name again, unless there is a spare. The scheduler outlives the switch.
 std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options = {});
 

@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
 namespace heliograph {
 namespace {
 
@@ -254,6 +256,25 @@ TEST_F(Hybrid, TheProcessorServesWhileADeviceCompiles) {
     while (render().tiles.count("vulkan:0") == 0) {}
     EXPECT_EQ(gpu.warmUps, 1u);
     EXPECT_TRUE(notices.empty());
+}
+
+// With the scene at hand before it is needed, no frame waits for the processor to be given it.
+TEST_F(Hybrid, TheSpareOfATracedDeviceIsGivenTheSceneInTheBackground) {
+    settings.set("device", "vulkan:0");
+    make(false);
+    while (cpu.loads == 0) std::this_thread::yield();
+    EXPECT_EQ(cpu.calls, 0u);
+    settings.set("device", "embree");
+    make(false);
+    device.reset();
+    EXPECT_EQ(gpu.loads, 1u) << "the processor needs no spare";
+}
+
+TEST_F(Hybrid, ACommandLoadsNoSpare) {
+    settings.set("device", "vulkan:0");
+    make(true);
+    device.reset();
+    EXPECT_EQ(cpu.loads, 0u);
 }
 
 TEST_F(Hybrid, ATracedDeviceAloneHasTheProcessorBehindIt) {
