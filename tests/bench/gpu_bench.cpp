@@ -3,22 +3,24 @@
 //                              our tracer, the driver's ray tracing pipeline, Embree, all on the same rays; JSON
 //   heliograph-bench frames    primary + shadow + 1 occlusion ray through the device interface, by batch size; JSON
 //   heliograph-bench hybrid    the GPU and the processor together through the tile scheduler, beside each alone; JSON
+//   heliograph-bench effects   what each effect costs on the GPU, and a small mirror; JSON
+//   heliograph-bench switch    effects switched on: time to the first frame, and to the GPU's own; JSON
 //   heliograph-bench parity    our scenes against Embree, also as a checkerboard; JSON, pictures
 //   heliograph-bench start     seconds from nothing to the first frame; JSON
 //   heliograph-bench devices   what there is
 // Options: --device D, --size WxH, --detail X (share of the triangles), --repetitions N, --out FOLDER, --validation,
-// --scene NAME (hybrid: one of the three)
+// --scene NAME (hybrid, effects, switch: one scene)
 
 #include "tests/bench/colonnade.h"
+#include "tests/bench/gpu_bench.h"
+#include "tests/support/effect_views.h"
 
 #include "server/device/embree/embree_device.h"
 #include "server/device/embree/embree_scene.h"
 #include "server/device/vulkan/ray_bench.h"
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/encode/png_encoder.h"
-#include "server/lab/hybrid_bench.h"
-#include "server/render/device_switch.h"
-#include "server/render/frame_renderer.h"
+#include "server/render/stats.h"
 #include "server/scene/generate/generate.h"
 #include "shaders/kernel/kernel.h"
 
@@ -27,7 +29,6 @@
 #include <pmmintrin.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -37,31 +38,8 @@
 namespace heliograph {
 namespace {
 
-using nlohmann::ordered_json;
+using namespace gpu_bench;
 using KernelType = scalar_kernel::Kernel<0u>;
-
-struct Options {
-    std::string command, device, scene, out = ".";
-    uvec2 size{1920, 1080};
-    float detail = 1.0f;
-    uint32_t repetitions = 30;
-    bool validation = false;
-};
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0.0;
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
-VulkanOptions vulkanOptions(const Options& options, uint64_t batch = 0) {
-    VulkanOptions result;
-    result.validation = options.validation;
-    result.batchSamples = batch;
-    return result;
-}
 
 // ---- rays ----
 
@@ -323,10 +301,12 @@ ordered_json benchParity(const Options& options) {
     auto cpu = makeEmbreeDevice();
     json["device"] = gpu->info().details;
     for (const SceneRecipe& recipe : generatedRecipes()) {
-        SceneBuilder builder(recipe.name);
-        generateScene(recipe.name, builder);
-        auto scene = builder.finish();
+        auto scene = generated(recipe.name);
         Settings settings;
+        for (const test::EffectView& view : test::effectViews()) {
+            if (view.scene != recipe.name) continue;
+            for (const std::string& text : view.set) settings.setFromText(text);
+        }
         settings.ambientOcclusion = true;
         settings.aoSamples = 4;
         settings.primaryPackets = settings.secondaryPackets = false;
@@ -335,6 +315,8 @@ ordered_json benchParity(const Options& options) {
         Camera camera = cameraFrom(scene->cameras.front());
         camera.forward += vec3(0.00317f, 0.00171f, -0.00233f);  // off the scene's axes: no ray along an edge
         FrameRequest request = frameRequest(*scene, camera, settings, options.size, 1);
+        request.previousCamera = camera;  // as if it had stepped aside, for motion blur
+        request.previousCamera->position += vec3(0.04f, 0.02f, 0.03f) * scene->bounds.radius();
         Film film;
         std::vector<vec4> a, b;
         double gpuMs = renderFrame(*gpu, request, 1, film).milliseconds;
@@ -349,55 +331,11 @@ ordered_json benchParity(const Options& options) {
         std::vector<vec4> mixed = a;
         for (size_t i = 0; i < mixed.size(); i++)
             if ((i % options.size.x / 32 + i / options.size.x / 32) & 1) mixed[i] = b[i];
-        writePicture(options.out + "/" + recipe.name + ".png", mixed, options.size);
+        std::string file = recipe.name;
+        std::replace(file.begin(), file.end(), '/', '-');
+        writePicture(options.out + "/" + file + ".png", mixed, options.size);
     }
     json["validation_messages"] = context->validationMessages();
-    return json;
-}
-
-// ---- hybrid ----
-
-/// Our scenes on the GPU and the processor together, at 1, 4 and 16 samples a frame.
-ordered_json benchTogether(const Options& options) {
-    const std::string gpu = "vulkan:" + std::to_string(vulkanContext(vulkanOptions(options))->find(options.device).index);
-    TileScheduler scheduler;
-    ordered_json json;
-    for (const char* name : {"courtyard", "cathedral", "glass"}) {
-        if (!options.scene.empty() && options.scene != name) continue;
-        SceneBuilder builder(name);
-        generateScene(name, builder);
-        auto scene = builder.finish();
-        DeviceOffer offer;
-        offer.team = {"embree", gpu};
-        offer.nameOf = [](const Settings& settings) { return Settings::choiceWord("device", settings.device); };
-        offer.make = [&](const std::string& word) {
-            return word == "embree" ? makeEmbreeDevice() : makeVulkanDevice(word.substr(7), vulkanOptions(options));
-        };
-        auto device = makeDeviceSwitch(offer, scheduler, {{}, true, false});
-        auto forced = makeDeviceSwitch(offer, scheduler, {{}, true, true});
-        HybridBenchOptions wanted;
-        wanted.camera = cameraFrom(scene->cameras.front());
-        wanted.resolution = options.size;
-        wanted.repetitions = std::min(options.repetitions, 9u);
-        wanted.devices = offer.team;
-        Settings hybrid = wanted.settings;
-        hybrid.set("device", "hybrid");
-        device->load(scene, hybrid, {});
-        forced->load(scene, hybrid, {});
-        for (uint32_t samples : {1u, 4u, 16u}) {
-            wanted.samples = samples;
-            wanted.warmUp = samples == 1 ? 40 : 16;
-            json[name].push_back(toJson(benchHybrid(*device, *scene, wanted, {})));
-            // The same with the processor made to take part, whatever that gains.
-            HybridBenchOptions both = wanted;
-            both.apart = false;
-            both.repetitions = 3;
-            json[name].back()["forced"] = toJson(benchHybrid(*forced, *scene, both, {}));
-            const ordered_json& row = json[name].back();
-            std::fprintf(stderr, "%s, %u samples: %.2f ms, %.3f of the best alone\n", name, samples, row["ms"].get<double>(),
-                         row["ratio"].get<double>());
-        }
-    }
     return json;
 }
 
@@ -440,9 +378,11 @@ int run(const Options& options) {
     else if (options.command == "frames") json = benchFrames(options);
     else if (options.command == "parity") json = benchParity(options);
     else if (options.command == "hybrid") json = benchTogether(options);
+    else if (options.command == "effects") json = benchEffectCosts(options);
+    else if (options.command == "switch") json = benchSwitches(options);
     else if (options.command == "start") json = benchStart(options);
     else if (options.command == "devices") json = listDevices();
-    else throw std::runtime_error("command: '" + options.command + "'; allowed: rays frames hybrid parity start devices");
+    else throw std::runtime_error("command: '" + options.command + "'; allowed: rays frames hybrid effects switch parity start devices");
     std::cout << json.dump(2, ' ', false, ordered_json::error_handler_t::replace) << std::endl;
     return 0;
 }

@@ -13,6 +13,7 @@
 #include "server/encode/png_encoder.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/scene_source.h"
+#include "tests/support/effect_views.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,12 +45,7 @@ struct Row {
 std::vector<Row> rows() {
     std::vector<Row> all;
     for (const char* own : {"cornell", "glass", "courtyard", "cathedral"}) all.push_back({own, OWN});
-    all.push_back({"effects/soft-shadows", OWN});
-    all.push_back({"effects/depth-of-field", OWN, {"depthOfField=true", "aperture=0.2"}});
-    all.push_back({"effects/fog", OWN, {"fog=true"}});
-    all.push_back({"effects/glossy", OWN, {"glossyReflections=true"}});
-    all.push_back({"effects/motion-blur", OWN, {"motionBlur=true"}});
-    all.push_back({"effects/indirect-light", OWN, {"indirectLight=true"}});
+    for (const test::EffectView& view : test::effectViews()) all.push_back({view.scene, OWN, view.set});
     const std::string shared = HELIOGRAPH_SHARED_SCENES;
     for (const char* path :
          {"glass/GlassPack.obj", "sponza-dabrovic/sponza.obj", "sibenik/sibenik.obj", "gltf/DamagedHelmet", "gltf/Duck",

@@ -1,0 +1,180 @@
+#include "tests/bench/gpu_bench.h"
+
+#include "server/device/embree/embree_device.h"
+#include "server/device/vulkan/vulkan_device.h"
+#include "server/lab/effect_bench.h"
+#include "server/lab/hybrid_bench.h"
+#include "server/render/device_switch.h"
+#include "server/scene/generate/generate.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace heliograph::gpu_bench {
+
+namespace {
+
+constexpr double LONGEST_WAIT = 30.0;  // seconds, for a GPU that compiles
+
+/// The setting `device` that means the GPU.
+std::string gpuWord(const Options& options) {
+    return "vulkan:" + std::to_string(vulkanContext(vulkanOptions(options))->find(options.device).index);
+}
+
+DeviceOffer offerOf(const Options& options, const std::string& gpu) {
+    DeviceOffer offer;
+    offer.team = {"embree", gpu};
+    offer.nameOf = [](const Settings& settings) { return Settings::choiceWord("device", settings.device); };
+    offer.make = [options](const std::string& word) {
+        return word == "embree" ? makeEmbreeDevice() : makeVulkanDevice(word.substr(7), vulkanOptions(options));
+    };
+    offer.spare = "embree";
+    return offer;
+}
+
+/// A frame of the scene's first viewpoint.
+FrameStats shown(Device& device, const Scene& scene, const Settings& settings, uvec2 size) {
+    static uint32_t generation = 0;
+    FrameRequest request = frameRequest(scene, cameraFrom(scene.cameras.front()), settings, size, ++generation);
+    Film film;
+    return renderFrame(device, request, 1, film);
+}
+
+ordered_json switchedOn(Device& device, const Scene& scene, const EffectReason& effect, const std::string& gpu, uvec2 size) {
+    Settings off;
+    off.set("device", gpu);
+    off.set(effect.setting, false);
+    Settings on = off;
+    on.set(effect.setting, true);
+    auto byGpu = [&](const FrameStats& stats) { return stats.tiles.size() == 1 && stats.tiles.contains(gpu); };
+    const double settle = now() + LONGEST_WAIT;
+    FrameStats before = shown(device, scene, off, size);
+    while (now() < settle && !byGpu(before)) before = shown(device, scene, off, size);
+    for (int i = 0; i < 20; i++) before = shown(device, scene, off, size);
+    const double begin = now();
+    const FrameStats first = shown(device, scene, on, size);
+    const double firstSeconds = now() - begin;
+    FrameStats last = first;
+    uint32_t frames = 1;
+    for (; !byGpu(last) && now() < begin + LONGEST_WAIT; frames++) last = shown(device, scene, on, size);
+    const double settled = now() - begin;
+    return {{"effect", effect.name}, {"ms_before", before.milliseconds}, {"first_frame_ms", 1e3 * firstSeconds},
+            {"first_by", first.tiles.empty() ? "" : first.tiles.begin()->first}, {"gpu_after_ms", 1e3 * settled},
+            {"frames_until", frames}, {"gpu_serves", byGpu(last)}};
+}
+
+bool wanted(const Options& options, const std::string& scene) { return options.scene.empty() || options.scene == scene; }
+
+/// Frames of two scenes in turns; the ratio is formed within each pair.
+ordered_json beside(const Options& options, const char* first, const char* second) {
+    struct Side {
+        std::shared_ptr<const Scene> scene;
+        std::unique_ptr<Device> device;
+        std::vector<double> ms;
+    };
+    Side sides[2] = {{generated(first), makeVulkanDevice(options.device, vulkanOptions(options)), {}},
+                     {generated(second), makeVulkanDevice(options.device, vulkanOptions(options)), {}}};
+    for (Side& side : sides) side.device->load(side.scene, {}, {});
+    const double warm = now() + 1.0;
+    while (now() < warm) {
+        for (Side& side : sides) shown(*side.device, *side.scene, {}, options.size);
+    }
+    std::vector<double> ratios;
+    for (uint32_t i = 0; i < 3 * options.repetitions; i++) {
+        for (Side& side : sides) side.ms.push_back(shown(*side.device, *side.scene, {}, options.size).milliseconds);
+        ratios.push_back(sides[0].ms.back() / sides[1].ms.back());
+    }
+    return {{"scenes", {first, second}}, {"ms", {percentile(sides[0].ms, 0.5), percentile(sides[1].ms, 0.5)}}, {"ratio", percentile(ratios, 0.5)},
+            {"ratio_low", percentile(ratios, 0.25)}, {"ratio_high", percentile(ratios, 0.75)}};
+}
+
+}  // namespace
+
+VulkanOptions vulkanOptions(const Options& options, uint64_t batch) {
+    VulkanOptions result;
+    result.validation = options.validation;
+    result.batchSamples = batch;
+    return result;
+}
+
+std::shared_ptr<const Scene> generated(const std::string& name) {
+    SceneBuilder builder(name);
+    generateScene(name, builder);
+    return builder.finish();
+}
+
+ordered_json benchTogether(const Options& options) {
+    const std::string gpu = gpuWord(options);
+    TileScheduler scheduler;
+    ordered_json json;
+    for (const char* name : {"courtyard", "cathedral", "glass"}) {
+        if (!options.scene.empty() && options.scene != name) continue;
+        auto scene = generated(name);
+        const DeviceOffer offer = offerOf(options, gpu);
+        auto device = makeDeviceSwitch(offer, scheduler, {{}, true, false});
+        auto forced = makeDeviceSwitch(offer, scheduler, {{}, true, true});
+        HybridBenchOptions wanted;
+        wanted.camera = cameraFrom(scene->cameras.front());
+        wanted.resolution = options.size;
+        wanted.repetitions = std::min(options.repetitions, 9u);
+        wanted.devices = offer.team;
+        Settings hybrid = wanted.settings;
+        hybrid.set("device", "hybrid");
+        device->load(scene, hybrid, {});
+        forced->load(scene, hybrid, {});
+        for (uint32_t samples : {1u, 4u, 16u}) {
+            wanted.samples = samples;
+            wanted.warmUp = samples == 1 ? 40 : 16;
+            json[name].push_back(toJson(benchHybrid(*device, *scene, wanted, {})));
+            // The same with the processor made to take part, whatever that gains.
+            HybridBenchOptions both = wanted;
+            both.apart = false;
+            both.repetitions = 3;
+            json[name].back()["forced"] = toJson(benchHybrid(*forced, *scene, both, {}));
+            const ordered_json& row = json[name].back();
+            std::fprintf(stderr, "%s, %u samples: %.2f ms, %.3f of the best alone\n", name, samples, row["ms"].get<double>(),
+                         row["ratio"].get<double>());
+        }
+    }
+    return json;
+}
+
+ordered_json benchEffectCosts(const Options& options) {
+    ordered_json json;
+    json["small_mirror"] = beside(options, "effects/small-mirror", "effects/no-mirror");
+    for (const SceneRecipe& recipe : generatedRecipes()) {
+        if (!wanted(options, recipe.name)) continue;
+        auto scene = generated(recipe.name);
+        auto device = makeVulkanDevice(options.device, vulkanOptions(options));
+        EffectBenchOptions bench;
+        bench.camera = cameraFrom(scene->cameras.front());
+        bench.settings.set("device", gpuWord(options));
+        bench.resolution = options.size;
+        bench.repetitions = std::min(options.repetitions, 9u);
+        device->load(scene, bench.settings, {});
+        json["scenes"][recipe.name] = toJson(benchEffects(*device, *scene, bench, {}));
+    }
+    return json;
+}
+
+ordered_json benchSwitches(const Options& options) {
+    const std::string gpu = gpuWord(options);
+    TileScheduler scheduler;
+    ordered_json json;
+    for (const char* name : {"courtyard", "glass", "effects/soft-shadows"}) {
+        if (!wanted(options, name)) continue;
+        auto scene = generated(name);
+        auto device = makeDeviceSwitch(offerOf(options, gpu), scheduler);
+        Settings settings;
+        settings.set("device", gpu);
+        device->load(scene, settings, {});
+        for (const EffectReason& effect : explainEffects(*scene)) {
+            if (!effect.calledFor || effect.setting != effect.name) continue;
+            json[name].push_back(switchedOn(*device, *scene, effect, gpu, options.size));
+            std::fprintf(stderr, "%s: %s\n", name, json[name].back().dump().c_str());
+        }
+    }
+    return json;
+}
+
+}  // namespace heliograph::gpu_bench
