@@ -9,11 +9,14 @@
 #if BVH_WIDTH == 4
 #define FETCH_ARRAYS
 #endif
+#ifndef ASKED  // what the frame asks for, where EFFECTS may be more
+#define ASKED(effect) true
+#endif
 #define MET(variety) ((VARIETIES & (variety)) != 0u)
 #ifndef LEFT_OUT  // effects without code, for tests/check_specialisation.sh
-#define HAS(effect) ((EFFECTS & (effect)) != 0u)
+#define HAS(effect) ((EFFECTS & (effect)) != 0u && ASKED(effect))
 #else
-#define HAS(effect) ((EFFECTS & ~LEFT_OUT & (effect)) != 0u)
+#define HAS(effect) ((EFFECTS & ~LEFT_OUT & (effect)) != 0u && ASKED(effect))
 #endif
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"

@@ -5,10 +5,12 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;  // exactly those of the request
+layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;  // exactly those of the request, or more if WIDE
 layout(constant_id = 1) const uint PATH_STACK = 16u;       // pending rays of a pixel, at least what the settings allow
 layout(constant_id = 2) const uint BVH_STACK = 64u;
 layout(constant_id = 3) const uint VARIETIES = 0xffffffffu;  // what the scene holds
+layout(constant_id = 4) const bool WIDE = false;           // serves requests with fewer effects: the frame says which
+#define ASKED(effect) (!WIDE || (FRAME.effects & (effect)) != 0u)
 
 #include "device.glsl"
 

@@ -26,6 +26,13 @@ struct DeviceInfo {
     bool stampsTiles = true;     // TileResult::seconds add up to the time of the stream; else only the call can be timed
 };
 
+/// How fast a device can begin on a kind of request that it has not rendered before.
+enum class Warmth {
+    cold,      // `render` waits until something is compiled
+    lukewarm,  // renders at once, slower than it will after `warmUp`
+    warm,
+};
+
 /// Takes each finished tile; called from the device's own threads, possibly several at once.
 using TileSink = std::function<void(TileResult&&)>;
 
@@ -44,8 +51,11 @@ public:
     /// Makes the first frame of such requests as fast as the next ones (drivers compile at the first dispatch). Renders
     /// nothing that anybody sees.
     virtual void warmUp(const FrameRequest& request) { static_cast<void>(request); }
-    /// Whether `render` needs no such warm-up for the request. Never waits for a frame in progress.
-    virtual bool isWarm(const FrameRequest& request) const { return static_cast<void>(request), true; }
+    /// Whether `render` needs such a warm-up for the request. Never waits for a frame in progress.
+    virtual Warmth warmth(const FrameRequest& request) const { return static_cast<void>(request), Warmth::warm; }
+    /// Makes the device lukewarm for whatever effects a viewer of the scene may switch on, as far as it can. May take seconds,
+    /// beside `render`. Throws when the device is lost.
+    virtual void standBy() {}
     /// Renders the tiles in the order given and returns when all are delivered or `stop` was asked for (tiles not begun
     /// are then left out). Must not be called while load runs. Throws when the device is lost.
     virtual void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,

@@ -129,9 +129,20 @@ private:
         log().debug("starting {}", entry->name);
         std::shared_ptr<Device> device = offer_.make(entry->name);
         device->load(scene, settings, progress);
-        std::lock_guard lock(entry->mutex);
-        entry->device = device;
+        {
+            std::lock_guard lock(entry->mutex);
+            entry->device = device;
+        }
+        if (!options_.patient) background_.run(scheduler_.crew(), [this, name = entry->name, device] { standBy(name, *device); });
         return device;
+    }
+
+    void standBy(const std::string& name, Device& device) {
+        try {
+            device.standBy();
+        } catch (const std::exception& error) {
+            setAside(name, error.what());
+        }
     }
 
     /// The same, or null where it is or was set aside for failing.
@@ -267,13 +278,17 @@ private:
         return member.stalls = false;
     }
 
-    /// Starts what a device needs before it can take part; returns what it waits for, or nothing.
+    /// Starts what a device needs before it can take part, or to be faster; returns what it waits for, or nothing.
     std::string getReady(const std::shared_ptr<Entry>& member, const FrameRequest& request) {
         FrameRequest wanted = request;
         wanted.history = nullptr;
+        bool serves;
         {
             std::lock_guard lock(member->mutex);
-            if (member->device && member->device->isWarm(request)) return {};
+            const Warmth warmth = member->device ? member->device->warmth(request) : Warmth::cold;
+            if (warmth == Warmth::warm) return {};
+            serves = warmth == Warmth::lukewarm;
+            if (serves && member->busy) return {};
             if (member->busy) return member->device ? "is compiling for these effects" : "is being given the scene";
             member->busy = true;
         }
@@ -295,7 +310,7 @@ private:
             return why.empty() ? "" : "set aside: " + why;
         }
         background_.run(scheduler_.crew(), work);
-        return "is being made ready";
+        return serves ? "" : "is being made ready";
     }
 
     /// Tasks that use the switch; it does not end before them.

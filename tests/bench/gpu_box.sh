@@ -1,6 +1,6 @@
 #!/bin/bash
 # Measures a machine with a GPU from inside an unpacked bundle (cmake/bundle.cmake, component `bench`): installs nothing,
-# needs only the vendor's Vulkan driver. gpu_box.sh FOLDER [DEVICE] writes JSON, pictures and a log to FOLDER; under ten minutes.
+# needs only the vendor's Vulkan driver. gpu_box.sh FOLDER [DEVICE] writes JSON, pictures and a log to FOLDER; under twelve minutes.
 set -u
 out=${1:?gpu_box.sh FOLDER [DEVICE]}
 device=${2:-}
@@ -43,7 +43,8 @@ step rays-4k 90 rays --size 3840x2160 --repetitions 15
 step frames 90 frames
 step hybrid 240 hybrid
 step effects 240 effects --repetitions 5
-step switch 90 switch
+step switch 120 switch
+step switch-again 120 switch
 step parity 120 parity --out "$out"
 step validated 60 parity --validation --size 320x180 --out "$(mktemp -d)"
 echo "$failed failed" | tee -a "$log"

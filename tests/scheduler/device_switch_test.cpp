@@ -124,7 +124,8 @@ struct Hybrid : ::testing::Test {
         DeviceInfo info() const override { return device.info(); }
         void load(std::shared_ptr<const Scene> s, const Settings& t, const Progress& p) override { device.load(s, t, p); }
         void warmUp(const FrameRequest& r) override { device.warmUp(r); }
-        bool isWarm(const FrameRequest& r) const override { return device.isWarm(r); }
+        Warmth warmth(const FrameRequest& r) const override { return device.warmth(r); }
+        void standBy() override { device.standBy(); }
         void render(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override { device.render(r, t, s, o); }
         void renderStream(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override {
             device.renderStream(r, t, s, o);
@@ -275,6 +276,29 @@ TEST_F(Hybrid, ACommandLoadsNoSpare) {
     make(true);
     device.reset();
     EXPECT_EQ(cpu.loads, 0u);
+}
+
+// One that can render at once, if slower, does so itself while it compiles.
+TEST_F(Hybrid, ALukewarmDeviceServesWhileItCompiles) {
+    settings.set("device", "vulkan:0");
+    make(false);
+    while (gpu.standBys == 0) std::this_thread::yield();
+    gpu.standsBy = gpu.cold = true;
+    EXPECT_EQ(render().tiles.count("embree"), 0u);
+    while (gpu.warmUps == 0) std::this_thread::yield();
+    EXPECT_EQ(render().tiles.count("embree"), 0u);
+    EXPECT_EQ(gpu.warmUps, 1u);
+}
+
+TEST_F(Hybrid, ALukewarmDeviceTakesPartWhileItCompiles) {
+    make(true);
+    device.reset();
+    make(false);
+    while (gpu.standBys == 0) render();
+    gpu.standsBy = gpu.cold = true;
+    const uint32_t calls = gpu.calls;
+    while (gpu.calls == calls) render();
+    while (gpu.warmUps == 0) std::this_thread::yield();
 }
 
 TEST_F(Hybrid, ATracedDeviceAloneHasTheProcessorBehindIt) {

@@ -15,7 +15,8 @@ public:
     DeviceInfo info() const override;
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override;
     void warmUp(const FrameRequest&) override;
-    bool isWarm(const FrameRequest&) const override { return !cold; }
+    Warmth warmth(const FrameRequest&) const override { return !cold ? Warmth::warm : standsBy ? Warmth::lukewarm : Warmth::cold; }
+    void standBy() override { standBys++; }
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override;
     void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override;
 
@@ -37,7 +38,8 @@ public:
     std::atomic<int> spins{0};             // work a tile
     std::atomic<bool> failsToLoad{false};
     std::atomic<bool> cold{false};         // until it is warmed up
-    std::atomic<uint32_t> tiles{0}, calls{0}, loads{0}, warmUps{0};
+    std::atomic<bool> standsBy{false};     // serves when cold, too
+    std::atomic<uint32_t> tiles{0}, calls{0}, loads{0}, warmUps{0}, standBys{0};
 
 private:
     void waitHere();

@@ -31,10 +31,12 @@ Gpu::Gpu(std::shared_ptr<VulkanContext> context, const PhysicalDevice& physical,
     type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
     VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type};
     check(vkCreateSemaphore(device_, &semaphore, nullptr, &timeline_), "make a timeline");
+    pipelineCache_ = std::make_unique<PipelineCache>(device_, physical_);
 }
 
 Gpu::~Gpu() {
     vkDeviceWaitIdle(device_);
+    pipelineCache_.reset();
     vkDestroySemaphore(device_, timeline_, nullptr);
     vkDestroyCommandPool(device_, pool_, nullptr);
     vkDestroyDevice(device_, nullptr);

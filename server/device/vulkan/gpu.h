@@ -2,7 +2,7 @@
 // A logical device with its one queue, its memory and its timeline. Everything that is allocated here is freed by the
 // objects that own it, before the Gpu goes.
 
-#include "server/device/vulkan/vulkan_context.h"
+#include "server/device/vulkan/pipeline_cache.h"
 
 #include <functional>
 #include <span>
@@ -61,6 +61,7 @@ public:
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     const VulkanContext& context() const { return *context_; }
     uint64_t allocatedBytes() const { return allocated_; }
+    PipelineCache& pipelineCache() { return *pipelineCache_; }
 
     /// A buffer with this content. Throws VulkanError when memory runs out.
     GpuBuffer filled(const void* content, uint64_t bytes, VkBufferUsageFlags usage);
@@ -97,6 +98,7 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkSemaphore timeline_ = VK_NULL_HANDLE;
+    std::unique_ptr<PipelineCache> pipelineCache_;
     uint64_t submitted_ = 0;
     std::atomic<uint64_t> allocated_{0};
 };

@@ -140,7 +140,7 @@ VkPipeline RasterPipelines::make(EffectSet effects) const {
     info.layout = layout_;
     info.renderPass = pass_;
     VkPipeline pipeline;
-    check(vkCreateGraphicsPipelines(gpu_.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "compile the preview");
+    check(vkCreateGraphicsPipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, &pipeline), "compile the preview");
     return pipeline;
 }
 

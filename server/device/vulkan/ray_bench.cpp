@@ -27,7 +27,7 @@ public:
         VkDescriptorSet set = pipelines_.newSet();
         scene_.bind(set);
         bindPair(set, in, out);
-        VkPipeline pipeline = pipelines_.get(EffectSet{EFFECT_INSTANCING}, anyHit ? TRACE_ANY : TRACE_CLOSEST, scene_.stackDepth());
+        VkPipeline pipeline = pipelines_.get({EffectSet{EFFECT_INSTANCING}, anyHit ? TRACE_ANY : TRACE_CLOSEST, scene_.stackDepth()});
         uint32_t count = static_cast<uint32_t>(rays.size());
         std::vector<double> seconds = timedRuns(gpu_, [&](VkCommandBuffer commands) {
             vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);

@@ -82,14 +82,21 @@ VkDescriptorSet TracePipelines::newSet() {
 
 void TracePipelines::freeSet(VkDescriptorSet set) { vkFreeDescriptorSets(gpu_.handle(), pool_, 1, &set); }
 
-VkPipeline TracePipelines::get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties) {
-    const Key key{effects.bits, pathStack, roundUp(bvhStack, 16), varieties};
-    {
-        std::lock_guard lock(mutex_);
-        auto found = pipelines_.find(key);
-        if (found != pipelines_.end()) return found->second;
-    }
+TracePipelines::Key TracePipelines::keyOf(const Kind& kind) {
+    return {kind.effects.bits, kind.pathStack, roundUp(kind.bvhStack, 16), kind.varieties, kind.wide};
+}
+
+VkPipeline TracePipelines::find(const Kind& kind) const {
+    std::lock_guard lock(mutex_);
+    auto found = pipelines_.find(keyOf(kind));
+    return found != pipelines_.end() ? found->second : VK_NULL_HANDLE;
+}
+
+VkPipeline TracePipelines::get(const Kind& kind) {
+    if (VkPipeline there = find(kind)) return there;
+    const Key key = keyOf(kind);
     VkPipeline made = make(key);
+    gpu_.pipelineCache().keep();
     std::lock_guard lock(mutex_);
     auto [entry, isNew] = pipelines_.emplace(key, made);
     if (!isNew) vkDestroyPipeline(gpu_.handle(), made, nullptr);  // somebody else was first
@@ -97,14 +104,14 @@ VkPipeline TracePipelines::get(EffectSet effects, uint32_t pathStack, uint32_t b
 }
 
 VkPipeline TracePipelines::make(const Key& constants) const {
-    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}};
-    VkSpecializationInfo specialization{4, entries, sizeof constants, constants.data()};
+    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}};
+    VkSpecializationInfo specialization{5, entries, sizeof constants, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module_, "main",
                   &specialization};
     info.layout = layout_;
     VkPipeline pipeline;
-    check(vkCreateComputePipelines(gpu_.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "compile the tracer");
+    check(vkCreateComputePipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, &pipeline), "compile the tracer");
     return pipeline;
 }
 

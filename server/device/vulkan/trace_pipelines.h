@@ -1,5 +1,6 @@
 #pragma once
-// The tracer's compute pipelines, one for each set of effects and size of stacks, made when first needed and kept.
+// The tracer's compute pipelines, one for each set of effects and size of stacks, made when first needed and kept. A wide one
+// serves every request whose effects are among its own, slower than one made for the request alone, with the same picture.
 
 #include "server/device/vulkan/gpu_scene.h"
 #include "server/render/frame_request.h"
@@ -26,12 +27,22 @@ public:
     VkPipelineLayout layout() const { return layout_; }
     VkDescriptorSet newSet();
     void freeSet(VkDescriptorSet set);
-    /// `varieties`: VARIETY_* bits; code for others is left out. Compiles at the first call; calls for pipelines that are there
-    /// do not wait for that. Safe from several threads.
-    VkPipeline get(EffectSet effects, uint32_t pathStack, uint32_t bvhStack, uint32_t varieties = ~0u);
+    /// What a pipeline is made for. `varieties`: VARIETY_* bits; code for others is left out.
+    struct Kind {
+        EffectSet effects;
+        uint32_t pathStack = 0;  // pathStackSize
+        uint32_t bvhStack = 0;
+        uint32_t varieties = ~0u;
+        bool wide = false;
+    };
+    /// Compiles at the first call; calls for pipelines that are there do not wait for that. Safe from several threads.
+    VkPipeline get(const Kind& kind);
+    /// Null where it is not there yet.
+    VkPipeline find(const Kind& kind) const;
 
 private:
-    using Key = std::array<uint32_t, 4>;  // effects, path stack, BVH stack, varieties
+    using Key = std::array<uint32_t, 5>;  // as in Kind: the values of the shader's constants
+    static Key keyOf(const Kind& kind);
     VkPipeline make(const Key& constants) const;
 
     Gpu& gpu_;
@@ -39,7 +50,7 @@ private:
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
     VkDescriptorPool pool_ = VK_NULL_HANDLE;
     VkShaderModule module_ = VK_NULL_HANDLE;
-    std::mutex mutex_;  // of the map
+    mutable std::mutex mutex_;  // of the map
     std::map<Key, VkPipeline> pipelines_;
 };
 

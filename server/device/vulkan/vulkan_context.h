@@ -14,6 +14,7 @@ struct VulkanOptions {
     bool validation = false;       // the validation layer checks every call; its messages are logged and counted
     uint64_t memoryLimit = 0;      // bytes that a device may allocate, 0 = what the driver grants
     uint64_t batchSamples = 0;     // pixel samples of a batch, 0 = by the measured rate; for benchmarks
+    bool alwaysStandsBy = false;   // a device of type cpu, too, keeps a program for all effects of the scene; for tests
     bool lastCoreOnly = false;     // a driver that computes on the processor gets one thread on the last core; for benchmarks
 
     bool operator==(const VulkanOptions&) const = default;

@@ -14,6 +14,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -33,7 +34,7 @@ class VulkanDevice : public Device {
 public:
     VulkanDevice(const std::string& which, const VulkanOptions& options)
         : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all), context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
-          pipelines_(gpu_, GpuScene::widthFor(gpu_.physical())) {
+          pipelines_(gpu_, GpuScene::widthFor(gpu_.physical())), alwaysStandsBy_(options.alwaysStandsBy) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
         name_ = "vulkan:" + std::to_string(gpu_.physical().index);
@@ -66,6 +67,7 @@ public:
         {
             std::lock_guard warm(warmMutex_);
             warm_.clear();
+            wide_.reset();
         }
         source_ = std::move(scene);
         try {
@@ -123,20 +125,42 @@ public:
     void warmUp(const FrameRequest& request) override {
         std::unique_lock lock(mutex_);
         if (!source_) throw std::logic_error("warm-up before load");
-        const GpuScene& scene = *residentFor(request.settings, {}).scene;
-        const auto [stackDepth, varieties] = std::pair(scene.stackDepth(), scene.varieties());
+        const TracePipelines::Kind kind = kindFor(*residentFor(request.settings, {}).scene, request);
         lock.unlock();
+        const bool serving = warmth(request) != Warmth::cold;
         // Most drivers compile here, beside the frames of others; Mesa's at the first dispatch.
-        pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), stackDepth, varieties);
+        pipelines_.get(kind);
+        if (serving) return setWarm(request);  // and its clocks are awake
         lock.lock();
         if (!source_) return;
         untilIdle(lock);
         warmUp(residentFor(request.settings, {}), request);
     }
 
-    bool isWarm(const FrameRequest& request) const override {
+    Warmth warmth(const FrameRequest& request) const override {
         std::lock_guard lock(warmMutex_);
-        return warm_.contains(warmKey(request));
+        if (warm_.contains(warmKey(request))) return Warmth::warm;
+        return wide_ && wide_->serves(request) ? Warmth::lukewarm : Warmth::cold;
+    }
+
+    // On a processor Embree is faster than such a program would be.
+    void standBy() override {
+        if (gpu_.physical().isCpu() && !alwaysStandsBy_) return;
+        Wide wide;
+        TracePipelines::Kind kind;
+        {
+            std::lock_guard lock(mutex_);
+            if (residents_.empty()) return;
+            const auto& [quality, resident] = *residents_.begin();
+            wide.quality = quality;
+            wide.effects = effectsOf(*source_);
+            wide.pathStack = pathStackSize(wide.effects, Settings{});
+            kind = kindOf(*resident.scene, wide.effects, wide.pathStack);
+            kind.wide = true;
+        }
+        wide.pipeline = pipelines_.get(kind);
+        std::lock_guard lock(warmMutex_);
+        wide_ = wide;
     }
 
 private:
@@ -145,6 +169,26 @@ private:
     static WarmKey warmKey(const FrameRequest& request) {
         return {request.effects.bits, pathStackSize(request.effects, request.settings), request.settings.bvhQuality};
     }
+
+    /// The program that serves until the one for a request's own effects is compiled: with all effects that the scene calls for.
+    struct Wide {
+        VkPipeline pipeline = VK_NULL_HANDLE;
+        EffectSet effects;
+        uint32_t pathStack = 0;
+        uint32_t quality = 0;  // of the trees, whose depth is compiled in
+        bool serves(const FrameRequest& request) const {
+            return request.settings.bvhQuality == quality && (request.effects.bits & ~effects.bits) == 0 &&
+                   pathStackSize(request.effects, request.settings) <= pathStack;
+        }
+    };
+
+    static TracePipelines::Kind kindOf(const GpuScene& scene, EffectSet effects, uint32_t pathStack) {
+        return {effects, pathStack, scene.stackDepth(), scene.varieties()};
+    }
+    static TracePipelines::Kind kindFor(const GpuScene& scene, const FrameRequest& request) {
+        return kindOf(scene, request.effects, pathStackSize(request.effects, request.settings));
+    }
+
     void setWarm(const FrameRequest& request) {
         std::lock_guard lock(warmMutex_);
         warm_.insert(warmKey(request));
@@ -210,8 +254,13 @@ private:
     }
 
     VkPipeline pipelineFor(const Resident& resident, const FrameRequest& request) {
-        return pipelines_.get(request.effects, pathStackSize(request.effects, request.settings), resident.scene->stackDepth(),
-                              resident.scene->varieties());
+        const TracePipelines::Kind kind = kindFor(*resident.scene, request);
+        if (VkPipeline own = pipelines_.find(kind)) return own;
+        {
+            std::lock_guard lock(warmMutex_);
+            if (wide_ && wide_->serves(request)) return wide_->pipeline;
+        }
+        return pipelines_.get(kind);
     }
 
     // Batches in order: while one is traced, the one before is handed over.
@@ -227,7 +276,7 @@ private:
                 while (next < tiles.size() && batch.takes(tiles[next], wanted)) batch.add(tiles[next++]);
             }
             if (!batch.empty()) batch.submit(pipeline, frame);
-            else if (!anyInFlight(resident)) return setWarm(request);
+            else if (!anyInFlight(resident)) return pipelines_.find(kindFor(*resident.scene, request)) ? setWarm(request) : void();
         }
     }
 
@@ -304,7 +353,9 @@ private:
     std::map<uint32_t, Resident> residents_;  // by bvhQuality
     BatchSize size_;
     std::atomic<double> batchSeconds_{0.0};
+    const bool alwaysStandsBy_;
     mutable std::mutex warmMutex_;
+    std::optional<Wide> wide_;
     std::set<WarmKey> warm_;  // has rendered such requests
     std::mutex mutex_;
     std::condition_variable idle_;

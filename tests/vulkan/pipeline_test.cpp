@@ -1,0 +1,176 @@
+// Programs on a Vulkan device: what outlives the process, and the wide one that serves until a request has its own.
+
+#include "server/device/vulkan/pipeline_store.h"
+#include "server/device/vulkan/vulkan_device.h"
+#include "server/render/frame_renderer.h"
+#include "server/scene/scene_source.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include <unistd.h>
+
+namespace heliograph {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of the test's own, which goes with it.
+class ScratchFolder {
+public:
+    ScratchFolder() : path(fs::temp_directory_path() / ("heliograph-pipelines-" + std::to_string(getpid()))) {
+        fs::remove_all(path);
+        fs::create_directories(path);
+    }
+    ~ScratchFolder() { fs::remove_all(path); }
+    const fs::path path;
+};
+
+/// An environment variable, put back at the end.
+class Variable {
+public:
+    Variable(const char* name, std::optional<std::string> value) : name_(name) {
+        if (const char* before = std::getenv(name)) before_ = before;
+        set(value);
+    }
+    ~Variable() { set(before_); }
+
+private:
+    void set(const std::optional<std::string>& value) { value ? setenv(name_, value->c_str(), 1) : unsetenv(name_); }
+    const char* name_;
+    std::optional<std::string> before_;
+};
+
+const std::vector<uint8_t> PROGRAM = {1, 2, 3, 250, 0, 7};
+
+TEST(PipelineStore, KeepsAndReplaces) {
+    const ScratchFolder scratch;
+    const fs::path file = scratch.path / "deeper/than/it/is";
+    EXPECT_TRUE(PipelineStore(file).read().empty());
+    EXPECT_TRUE(PipelineStore(file).keep(PROGRAM));
+    EXPECT_EQ(PipelineStore(file).read(), PROGRAM);
+    EXPECT_TRUE(PipelineStore(file).keep(std::vector<uint8_t>{9}));
+    EXPECT_EQ(PipelineStore(file).read(), std::vector<uint8_t>{9});
+    EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), fs::directory_iterator()), 1) << "something was left beside it";
+}
+
+TEST(PipelineStore, WhatIsDamagedCountsAsAbsent) {
+    const ScratchFolder scratch;
+    const fs::path file = scratch.path / "kept";
+    ASSERT_TRUE(PipelineStore(file).keep(PROGRAM));
+    std::string whole;
+    {
+        std::ifstream in(file, std::ios::binary);
+        whole.assign(std::istreambuf_iterator<char>(in), {});
+    }
+    const auto readWith = [&](const std::string& content) {
+        std::ofstream(file, std::ios::binary | std::ios::trunc) << content;
+        return PipelineStore(file).read();
+    };
+    EXPECT_EQ(readWith(whole), PROGRAM);
+    for (size_t length = 0; length < whole.size(); length++) EXPECT_TRUE(readWith(whole.substr(0, length)).empty()) << length;
+    EXPECT_TRUE(readWith(whole + "x").empty());
+    for (size_t at = 0; at < whole.size(); at++) {
+        std::string changed = whole;
+        changed[at] = static_cast<char>(changed[at] ^ 0x10);
+        EXPECT_TRUE(readWith(changed).empty()) << at;
+    }
+}
+
+TEST(PipelineStore, WhatCannotBeWrittenIsGivenUp) {
+    const ScratchFolder scratch;
+    std::ofstream(scratch.path / "file") << "in the way";
+    EXPECT_FALSE(PipelineStore(scratch.path / "file/kept").keep(PROGRAM));
+    EXPECT_FALSE(PipelineStore({}).keeps());
+    EXPECT_FALSE(PipelineStore({}).keep(PROGRAM));
+    EXPECT_TRUE(PipelineStore({}).read().empty());
+}
+
+TEST(PipelineStore, TheFolderFollowsTheEnvironment) {
+    const Variable own("HELIOGRAPH_CACHE", std::nullopt);
+    const Variable home("HOME", "/home/somebody");
+    {
+        const Variable caches("XDG_CACHE_HOME", "/var/caches");
+        EXPECT_EQ(cacheFolder(), "/var/caches/heliograph");
+        const Variable wish("HELIOGRAPH_CACHE", "/mine");
+        EXPECT_EQ(cacheFolder(), "/mine");
+        const Variable none("HELIOGRAPH_CACHE", "");
+        EXPECT_EQ(cacheFolder(), "");
+    }
+    const Variable relative("XDG_CACHE_HOME", "relative");
+    EXPECT_EQ(cacheFolder(), "/home/somebody/.cache/heliograph") << "a relative path there counts as absent (XDG Base Directory)";
+    const Variable nowhere("HOME", std::nullopt);
+    EXPECT_EQ(cacheFolder(), "");
+}
+
+VulkanOptions standingBy() {
+    VulkanOptions options;
+    options.validation = true;
+    options.alwaysStandsBy = true;
+    return options;
+}
+
+std::vector<vec4> picture(Device& device, const FrameRequest& request) {
+    Film film;
+    renderFrame(device, request, 2, film);
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    return pixels;
+}
+
+bool same(const std::vector<vec4>& a, const std::vector<vec4>& b) {
+    return a.size() == b.size() && !a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(vec4)) == 0;
+}
+
+// Whatever a viewer switches, the wide program makes the picture that the request's own program makes.
+TEST(WidePipeline, MakesTheSamePictureUntilTheRequestHasItsOwn) {
+    auto context = vulkanContext(standingBy());
+    const uint64_t before = context->validationMessages();
+    const auto scene = openScene("cornell");
+    auto device = makeVulkanDevice("", standingBy());
+    device->load(scene, {}, {});
+    const auto requestWith = [&](std::initializer_list<std::pair<const char*, bool>> switches) {
+        Settings settings;
+        for (const auto& [name, on] : switches) settings.set(name, on);
+        return frameRequest(*scene, cameraFrom(scene->cameras.front()), settings, uvec2(48, 32), 1);
+    };
+    const FrameRequest few = requestWith({{"shadows", false}, {"refractions", false}});
+    const FrameRequest many = requestWith({{"fog", true}, {"indirectLight", true}, {"ambientOcclusion", true}});
+    EXPECT_EQ(device->warmth(requestWith({})), Warmth::warm) << "as its first viewer will see the scene";
+    EXPECT_EQ(device->warmth(few), Warmth::cold);
+    device->standBy();
+    for (const FrameRequest& request : {few, many}) {
+        EXPECT_EQ(device->warmth(request), Warmth::lukewarm);
+        const std::vector<vec4> wide = picture(*device, request);
+        EXPECT_EQ(device->warmth(request), Warmth::lukewarm) << "nothing was compiled for it";
+        device->warmUp(request);
+        EXPECT_EQ(device->warmth(request), Warmth::warm);
+        EXPECT_TRUE(same(wide, picture(*device, request)));
+    }
+    FrameRequest deep = many;
+    deep.settings.maxRefractions = 30;  // more pending rays than the wide program has room for
+    EXPECT_EQ(device->warmth(deep), Warmth::cold);
+    EXPECT_EQ(context->validationMessages(), before);
+}
+
+TEST(WidePipeline, AProcessorNeedsNone) {
+    VulkanOptions options = standingBy();
+    options.alwaysStandsBy = false;
+    auto device = makeVulkanDevice("", options);
+    if (device->info().silicon != "cpu") GTEST_SKIP() << "the best device here is " << device->info().details;
+    const auto scene = openScene("cornell");
+    device->load(scene, {}, {});
+    device->standBy();
+    Settings settings;
+    settings.fog = true;
+    const FrameRequest request = frameRequest(*scene, cameraFrom(scene->cameras.front()), settings, uvec2(48, 32), 1);
+    EXPECT_EQ(device->warmth(request), Warmth::cold);
+}
+
+}  // namespace
+}  // namespace heliograph
