@@ -10,6 +10,7 @@ layout(constant_id = 1) const uint PATH_STACK = 16u;       // pending rays of a 
 layout(constant_id = 2) const uint BVH_STACK = 64u;
 layout(constant_id = 3) const uint VARIETIES = 0xffffffffu;  // what the scene holds
 layout(constant_id = 4) const bool WIDE = false;           // serves requests with fewer effects: the frame says which
+layout(constant_id = 5) const bool SINGLE = false;         // paths end at their first surface; those that would go on are counted
 #define ASKED(effect) (!WIDE || (FRAME.effects & (effect)) != 0u)
 
 #include "device.glsl"
@@ -25,8 +26,11 @@ struct TraceTile {
 
 layout(std430, set = 0, binding = 17) readonly buffer TileBuffer { TraceTile tiles[]; };
 layout(std430, set = 0, binding = 18) writeonly buffer SumBuffer { vec4 sums[]; };
-layout(std430, set = 0, binding = 19) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, then not finite
-layout(push_constant) uniform Batch { uint tileCount; };
+layout(std430, set = 0, binding = 19) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, not finite, cut off
+layout(push_constant) uniform Batch {
+    uint tileCount;
+    uint groupsBefore;  // of other dispatches for the same tiles
+};
 
 const uint COUNTS = 8u;
 
@@ -35,6 +39,7 @@ uint shadowRays = 0u;
 uint occlusionRays = 0u;
 uint reflectionRays = 0u;
 uint refractionRays = 0u;
+uint cutOff = 0u;  // paths that SINGLE ended
 
 // Share of the light that gets through the transparent surfaces on a shadow ray's way, nearest first.
 vec3 transmittance(Ray ray) {
@@ -151,15 +156,19 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
             PathState refraction;
             PathState pass;
             uint next = nextRays(p, s, m, throughput, reflection, refraction, pass, radiance);
-            if (more != 0u) stack[top++] = indirect;
-            if ((next & NEXT_REFLECTION) != 0u) stack[top++] = reflection;
-            if ((next & NEXT_PASS) != 0u) stack[top++] = pass;
-            if ((next & NEXT_REFRACTION) != 0u) stack[top++] = refraction;
+            if (SINGLE) {
+                if ((next | more) != 0u) cutOff++;
+            } else {
+                if (more != 0u) stack[top++] = indirect;
+                if ((next & NEXT_REFLECTION) != 0u) stack[top++] = reflection;
+                if ((next & NEXT_PASS) != 0u) stack[top++] = pass;
+                if ((next & NEXT_REFRACTION) != 0u) stack[top++] = refraction;
+            }
             float air = 0.0f;
             if (HAS(EFFECT_FOG)) air = airBefore(p, s);
             gatherLight(pixel, sampleIndex, p, true, s, m, wo, throughput, air, ambient, occlusion, radiance);
         }
-        if (top == 0u) return radiance;
+        if (SINGLE || top == 0u) return radiance;
         p = stack[--top];
     }
     return radiance;
@@ -183,7 +192,7 @@ void addCount(uint tileIndex, uint kind, uint value) {
 }
 
 void main() {
-    uint group = gl_WorkGroupID.x;
+    uint group = gl_WorkGroupID.x + groupsBefore;
     uint tileIndex = tileOf(group);
     TraceTile tile = tiles[tileIndex];
     uint columns = (tile.size.x + 7u) / 8u;
@@ -213,4 +222,5 @@ void main() {
     addCount(tileIndex, 3u, reflectionRays);
     addCount(tileIndex, 4u, refractionRays);
     addCount(tileIndex, 5u, nonfinite);
+    if (SINGLE) addCount(tileIndex, 6u, cutOff);
 }

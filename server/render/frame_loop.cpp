@@ -132,6 +132,7 @@ uint64_t FrameLoop::takeNews() {
         picture_.reset();
         secondsPerTile_ = 0.0;
         history_->costs.forget();
+        reach_.forget();
     }
     if (newest_) wish_ = newest_;
     if (retry_) broken_ = false;
@@ -349,6 +350,7 @@ bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSa
     const uvec2 cellSize = glm::min(tileSize(view.settings), film.resolution());
     const std::vector<Tile> tiles = film.tilesFor(firstSample, 1, cellSize);
     request.history = history;
+    request.reach = reach_.of(request);
     beginHistory(*history, film, view, cellSize);
     std::shared_ptr<Partition> partition;
     if (view.settings.showPartition) {

@@ -5,6 +5,7 @@
 
 #include "server/render/device.h"
 #include "server/render/film.h"
+#include "server/render/cell_reach.h"
 #include "server/render/frame_history.h"
 #include "server/render/partition.h"
 #include "server/render/path_run.h"
@@ -174,6 +175,7 @@ private:
     std::optional<Camera> cameraBefore_;  // of the film before this one, while the viewer moves
     bool blurred_ = false;                // the film holds motion blur
     std::shared_ptr<FrameHistory> history_ = std::make_shared<FrameHistory>();
+    ReachOfView reach_;
     std::optional<Run> run_;
     std::optional<Job> picture_;
     bool pictureTurn_ = false;  // passes of picture and film alternate

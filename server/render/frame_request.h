@@ -11,6 +11,7 @@
 
 namespace heliograph {
 
+class CellReach;
 struct FrameHistory;
 
 struct FrameRequest {
@@ -23,6 +24,8 @@ struct FrameRequest {
     /// What frames of this viewer have cost so far (frame_history.h), for devices that distribute tiles; may be null. Of one
     /// frame at a time.
     std::shared_ptr<FrameHistory> history;
+    /// What this view's paths have reached so far (cell_reach.h), for devices that choose programs by it; may be null.
+    std::shared_ptr<CellReach> reach;
 };
 
 /// Fills the kernel's block. `scene` gives the light count, the AO radius and the ball of fog.

@@ -5,11 +5,12 @@
 //   heliograph-bench hybrid    the GPU and the processor together through the tile scheduler, beside each alone; JSON
 //   heliograph-bench effects   what each effect costs on the GPU, and a small mirror; JSON
 //   heliograph-bench switch    effects switched on: time to the first frame, and to the GPU's own; JSON
+//   heliograph-bench reach     views at rest, with and without knowing which tiles see no mirror; JSON
 //   heliograph-bench parity    our scenes against Embree, also as a checkerboard; JSON, pictures
 //   heliograph-bench start     seconds from nothing to the first frame; JSON
 //   heliograph-bench devices   what there is
 // Options: --device D, --size WxH, --detail X (share of the triangles), --repetitions N, --out FOLDER, --validation,
-// --scene NAME (hybrid, effects, switch: one scene)
+// --scene NAME (hybrid, effects, reach, switch: one scene)
 
 #include "tests/bench/colonnade.h"
 #include "tests/bench/gpu_bench.h"
@@ -379,10 +380,11 @@ int run(const Options& options) {
     else if (options.command == "parity") json = benchParity(options);
     else if (options.command == "hybrid") json = benchTogether(options);
     else if (options.command == "effects") json = benchEffectCosts(options);
+    else if (options.command == "reach") json = benchReach(options);
     else if (options.command == "switch") json = benchSwitches(options);
     else if (options.command == "start") json = benchStart(options);
     else if (options.command == "devices") json = listDevices();
-    else throw std::runtime_error("command: '" + options.command + "'; allowed: rays frames hybrid effects switch parity start devices");
+    else throw std::runtime_error("command: '" + options.command + "'; allowed: rays frames hybrid effects reach switch parity start devices");
     std::cout << json.dump(2, ' ', false, ordered_json::error_handler_t::replace) << std::endl;
     return 0;
 }

@@ -32,4 +32,7 @@ ordered_json benchEffectCosts(const Options& options);
 /// Effects switched on: how long until a frame shows it, who makes that frame, and when the GPU makes them itself.
 ordered_json benchSwitches(const Options& options);
 
+/// Views at rest, with and without knowing which of their tiles see no mirror, glass or blended surface.
+ordered_json benchReach(const Options& options);
+
 }  // namespace heliograph::gpu_bench

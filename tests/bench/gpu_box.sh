@@ -43,6 +43,7 @@ step rays-4k 90 rays --size 3840x2160 --repetitions 15
 step frames 90 frames
 step hybrid 240 hybrid
 step effects 240 effects --repetitions 5
+step reach 60 reach
 step switch 120 switch
 step switch-again 120 switch
 step parity 120 parity --out "$out"

@@ -4,10 +4,12 @@
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/lab/effect_bench.h"
 #include "server/lab/hybrid_bench.h"
+#include "server/render/cell_reach.h"
 #include "server/render/device_switch.h"
 #include "server/scene/generate/generate.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 
 namespace heliograph::gpu_bench {
@@ -153,6 +155,47 @@ ordered_json benchEffectCosts(const Options& options) {
         bench.repetitions = std::min(options.repetitions, 9u);
         device->load(scene, bench.settings, {});
         json["scenes"][recipe.name] = toJson(benchEffects(*device, *scene, bench, {}));
+    }
+    return json;
+}
+
+ordered_json benchReach(const Options& options) {
+    ordered_json json;
+    for (const char* name : {"effects/no-mirror", "effects/small-mirror", "courtyard", "cathedral", "glass"}) {
+        if (!wanted(options, name)) continue;
+        auto scene = generated(name);
+        auto device = makeVulkanDevice(options.device, vulkanOptions(options));
+        device->load(scene, {}, {});
+        for (bool occlusion : {false, true}) {
+            Settings settings;
+            settings.ambientOcclusion = occlusion;
+            FrameRequest blind = frameRequest(*scene, cameraFrom(scene->cameras.front()), settings, options.size, 1);
+            FrameRequest knowing = blind;
+            knowing.reach = std::make_shared<CellReach>(options.size);
+            device->warmUp(blind);
+            Film film;  // gives the tiles and takes nothing: the host's part is left out
+            film.reset(options.size, 1);
+            const std::vector<Tile> tiles = film.tilesFor(0, 1, tileSize(settings));
+            uint64_t rays[2] = {0, 0};
+            auto milliseconds = [&](const FrameRequest& request, uint64_t& count) {
+                std::atomic<uint64_t> sum{0};
+                const double begin = now();
+                device->render(request, tiles, [&](TileResult&& result) { sum += result.rays.total(); }, {});
+                count = sum;
+                return 1e3 * (now() - begin);
+            };
+            for (const double warm = now() + 0.5; now() < warm;) milliseconds(knowing, rays[0]);
+            std::vector<double> ms[2], ratios;
+            for (uint32_t i = 0; i < options.repetitions; i++) {
+                ms[0].push_back(milliseconds(blind, rays[0]));
+                ms[1].push_back(milliseconds(knowing, rays[1]));
+                ratios.push_back(ms[1].back() / ms[0].back());
+            }
+            const auto single = std::count_if(tiles.begin(), tiles.end(), [&](const Tile& tile) { return knowing.reach->endsAtOnce(tile); });
+            json[name].push_back({{"ambient_occlusion", occlusion}, {"ms_without", percentile(ms[0], 0.5)}, {"ms_with", percentile(ms[1], 0.5)},
+                                  {"ratio", percentile(ratios, 0.5)}, {"single_share", double(single) / double(tiles.size())},
+                                  {"rays", rays[0]}, {"same_rays", rays[0] == rays[1]}});
+        }
     }
     return json;
 }

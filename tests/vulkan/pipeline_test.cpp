@@ -2,11 +2,13 @@
 
 #include "server/device/vulkan/pipeline_store.h"
 #include "server/device/vulkan/vulkan_device.h"
+#include "server/render/cell_reach.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/scene_source.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -156,6 +158,78 @@ TEST(WidePipeline, MakesTheSamePictureUntilTheRequestHasItsOwn) {
     deep.settings.maxRefractions = 30;  // more pending rays than the wide program has room for
     EXPECT_EQ(device->warmth(deep), Warmth::cold);
     EXPECT_EQ(context->validationMessages(), before);
+}
+
+/// The scene with one small mirror, in tiles of 16 pixels, on a device that has a program for paths of a single surface.
+class SinglePipeline : public ::testing::Test {
+protected:
+    SinglePipeline() {
+        Settings settings;
+        settings.tileWidth = settings.tileHeight = 1;
+        device_->load(scene_, settings, {});
+        request_ = frameRequest(*scene_, cameraFrom(scene_->cameras.front()), settings, uvec2(160, 96), 1);
+        Film film;
+        film.reset(request_.resolution, request_.generation);
+        tiles_ = film.tilesFor(0, 1, tileSize(settings));
+        stats_ = render(expected_);
+        device_->standBy();
+        request_.reach = std::make_shared<CellReach>(request_.resolution);
+    }
+
+    RayCounts render(std::vector<vec4>& pixels, bool asStream = false) {
+        Film film;
+        film.reset(request_.resolution, request_.generation);
+        RayCounts rays;
+        std::mutex mutex;
+        const TileSink sink = [&](TileResult&& result) {
+            film.add(result);
+            std::lock_guard lock(mutex);
+            rays.add(result.rays);
+        };
+        if (asStream) device_->renderStream(request_, tiles_, sink, {});
+        else device_->render(request_, tiles_, sink, {});
+        EXPECT_EQ(film.completedSamples(), 1u);
+        film.develop(pixels);
+        return rays;
+    }
+
+    void expectTheSame(const std::string& when, bool asStream) {
+        std::vector<vec4> pixels;
+        EXPECT_EQ(render(pixels, asStream).by, stats_.by) << when;
+        EXPECT_TRUE(same(pixels, expected_)) << when;
+    }
+
+    std::shared_ptr<const Scene> scene_ = openScene("effects/small-mirror");
+    std::unique_ptr<Device> device_ = makeVulkanDevice("", standingBy());
+    FrameRequest request_;
+    std::vector<Tile> tiles_;
+    std::vector<vec4> expected_;
+    RayCounts stats_;
+};
+
+TEST_F(SinglePipeline, ServesTheTilesThatSeeNoMirrorWithTheSamePicture) {
+    ASSERT_GT(stats_[RayKind::reflection], 0u) << "the mirror is seen";
+    for (bool asStream : {false, true}) {
+        expectTheSame("nothing is known of the view", asStream);
+        const auto single = std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
+        EXPECT_GT(single, static_cast<long>(tiles_.size() / 2));
+        EXPECT_LT(single, static_cast<long>(tiles_.size()));
+        expectTheSame("the view is known", asStream);
+    }
+}
+
+TEST_F(SinglePipeline, WhatItCutsOffIsRenderedAgain) {
+    for (bool asStream : {false, true}) {
+        request_.reach = std::make_shared<CellReach>(request_.resolution);
+        for (const Tile& tile : tiles_) {
+            TileResult lie;  // that none of its paths has gone on
+            lie.tile = tile;
+            request_.reach->note(lie);
+        }
+        expectTheSame("all tiles are said to see no mirror", asStream);
+        const auto single = std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
+        EXPECT_LT(single, static_cast<long>(tiles_.size())) << "and now it is known better";
+    }
 }
 
 TEST(WidePipeline, AProcessorNeedsNone) {

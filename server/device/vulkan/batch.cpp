@@ -8,7 +8,8 @@ namespace heliograph {
 
 namespace {
 
-constexpr uint32_t COUNTS = 8;  // a tile, as in trace.comp
+constexpr uint32_t COUNTS = 8;   // a tile, as in trace.comp
+constexpr uint32_t CUT_OFF = 6;  // which of them
 constexpr VkBufferUsageFlags STORAGE = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -47,18 +48,32 @@ Batch::~Batch() {
 }
 
 bool Batch::takes(const Tile& tile, uint64_t wantedSamples) const {
-    if (tiles_.empty()) return true;
+    if (empty()) return true;
     return samples_ < wantedSamples && groups_ + groupsOf(tile) <= gpu_.limits().maxComputeWorkGroupCount[0] &&
            (pixels_ + pixelsOf(tile)) * sizeof(vec4) <= std::min<uint64_t>(gpu_.limits().maxStorageBufferRange, 256u << 20);
 }
 
-void Batch::add(const Tile& tile) {
-    entries_.push_back({tile.origin, tile.size, tile.firstSample, tile.sampleCount, static_cast<uint32_t>(groups_),
-                        static_cast<uint32_t>(pixels_)});
-    tiles_.push_back(tile);
+void Batch::add(const Tile& tile, bool single) {
+    (single ? singleTiles_ : tiles_).push_back(tile);
     pixels_ += pixelsOf(tile);
     groups_ += groupsOf(tile);
     samples_ += pixelsOf(tile) * tile.sampleCount;
+}
+
+// The tiles of each program in a row.
+void Batch::arrange() {
+    uint64_t groups = 0, pixels = 0;
+    auto enter = [&](const Tile& tile) {
+        entries_.push_back({tile.origin, tile.size, tile.firstSample, tile.sampleCount, static_cast<uint32_t>(groups),
+                            static_cast<uint32_t>(pixels)});
+        groups += groupsOf(tile);
+        pixels += pixelsOf(tile);
+    };
+    for (const Tile& tile : tiles_) enter(tile);
+    fullGroups_ = static_cast<uint32_t>(groups);
+    for (const Tile& tile : singleTiles_) enter(tile);
+    tiles_.insert(tiles_.end(), singleTiles_.begin(), singleTiles_.end());
+    singleTiles_.clear();
 }
 
 // Buffers grow by half, so that a growing window does not allocate at every step.
@@ -95,21 +110,29 @@ void Batch::bindOutputs() {
     vkUpdateDescriptorSets(gpu_.handle(), 4, writes, 0, nullptr);
 }
 
-void Batch::submit(VkPipeline pipeline, const FrameConstants& frame) {
+void Batch::submit(VkPipeline pipeline, VkPipeline single, const FrameConstants& frame) {
+    arrange();
     makeRoom();
     std::memcpy(frame_.data(), &frame, sizeof frame);
     std::memcpy(tileList_.data(), entries_.data(), entries_.size() * sizeof(TraceTile));
-    record(pipeline);
+    record(pipeline, single);
     submittedAt_ = now();
     number_ = gpu_.submit(commands_);
 }
 
-void Batch::record(VkPipeline pipeline) {
+void Batch::dispatch(VkPipeline pipeline, uint32_t groupsBefore, uint32_t groups) {
+    if (groups == 0) return;
+    const uint32_t constants[] = {static_cast<uint32_t>(tiles_.size()), groupsBefore};
+    vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    vkCmdPushConstants(commands_, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, constants);
+    vkCmdDispatch(commands_, groups, 1, 1);
+}
+
+void Batch::record(VkPipeline pipeline, VkPipeline single) {
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(commands_, &begin), "record");
     uint64_t counts = tiles_.size() * COUNTS * sizeof(uint32_t);
-    uint32_t tileCount = static_cast<uint32_t>(tiles_.size());
     vkCmdResetQueryPool(commands_, queries_, 0, 2);
     vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_, 0);
     vkCmdFillBuffer(commands_, counts_.handle(), 0, counts, 0);
@@ -118,10 +141,9 @@ void Batch::record(VkPipeline pipeline) {
     barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
     vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &barrier, 0,
                          nullptr, 0, nullptr);
-    vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), 0, 1, &set_, 0, nullptr);
-    vkCmdPushConstants(commands_, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof tileCount, &tileCount);
-    vkCmdDispatch(commands_, static_cast<uint32_t>(groups_), 1, 1);
+    dispatch(pipeline, 0, fullGroups_);
+    dispatch(single, fullGroups_, static_cast<uint32_t>(groups_) - fullGroups_);
     barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_HOST_READ_BIT;
     vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
@@ -160,6 +182,8 @@ TileResult Batch::result(size_t index, double batchSeconds) const {
     return result;
 }
 
+bool Batch::wasCutOff(size_t index) const { return countsOut_.as<const uint32_t>()[index * COUNTS + CUT_OFF] > 0; }
+
 void Batch::forget() {
     number_ = 0;
     clear();
@@ -167,6 +191,7 @@ void Batch::forget() {
 
 void Batch::clear() {
     tiles_.clear();
+    singleTiles_.clear();
     entries_.clear();
     pixels_ = groups_ = samples_ = 0;
 }

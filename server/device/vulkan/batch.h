@@ -1,5 +1,5 @@
 #pragma once
-// Tiles that go to a GPU together: one command buffer, one dispatch, one signal. The kernel writes each pixel's sum straight
+// Tiles that go to a GPU together: one command buffer, one dispatch for each program, one signal. The kernel writes each pixel's sum straight
 // into memory that the host has mapped and cached. Two of them take turns.
 
 #include "server/device/vulkan/trace_pipelines.h"
@@ -34,18 +34,22 @@ public:
     ~Batch();
     Batch(const Batch&) = delete;
 
-    bool empty() const { return tiles_.empty(); }
+    bool empty() const { return tiles_.empty() && singleTiles_.empty(); }
     bool inFlight() const { return number_ != 0; }
     uint64_t samples() const { return samples_; }
     /// Whether one more tile fits beside those that are in. An empty batch takes any tile.
     bool takes(const Tile& tile, uint64_t wantedSamples) const;
-    void add(const Tile& tile);
-    void submit(VkPipeline pipeline, const FrameConstants& frame);
+    /// `single`: for the program whose paths end at their first surface.
+    void add(const Tile& tile, bool single = false);
+    /// The second program may be null if no tile was added for it.
+    void submit(VkPipeline pipeline, VkPipeline single, const FrameConstants& frame);
     /// Waits for the batch; afterwards the results can be read until `clear`. Returns the GPU's seconds.
     double finish();
     size_t tileCount() const { return tiles_.size(); }
     /// Result of tile `index`; its sums are `mapped`, not copied.
     TileResult result(size_t index, double batchSeconds) const;
+    /// Whether the tile has to be rendered again: the program ended paths of it that would have gone on.
+    bool wasCutOff(size_t index) const;
     void clear();
     /// The same for a batch that failed, in flight or not.
     void forget();
@@ -53,7 +57,9 @@ public:
 private:
     void makeRoom();
     void bindOutputs();
-    void record(VkPipeline pipeline);
+    void record(VkPipeline pipeline, VkPipeline single);
+    void dispatch(VkPipeline pipeline, uint32_t groupsBefore, uint32_t groups);
+    void arrange();
 
     Gpu& gpu_;
     TracePipelines& pipelines_;
@@ -61,7 +67,9 @@ private:
     VkCommandBuffer commands_;
     VkQueryPool queries_ = VK_NULL_HANDLE;
     GpuBuffer frame_, tileList_, sums_, counts_, countsOut_;
-    std::vector<Tile> tiles_;
+    std::vector<Tile> tiles_;        // once submitted: those of the first program, then those of the second
+    std::vector<Tile> singleTiles_;  // until then
+    uint32_t fullGroups_ = 0;        // of the first program
     std::vector<TraceTile> entries_;
     uint64_t pixels_ = 0;
     uint64_t groups_ = 0;

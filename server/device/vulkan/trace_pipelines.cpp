@@ -29,6 +29,10 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
     return size <= 1 ? 1 : size <= 4 ? 4 : roundUp(size, 8);
 }
 
+bool pathsGoOn(EffectSet effects) {
+    return (effects.bits & (EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND | EFFECT_INDIRECT_LIGHT)) != 0;
+}
+
 TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint32_t> other) : gpu_(gpu) {
     VkDescriptorSetLayoutBinding bindings[binding::COUNT];
     std::vector<VkDescriptorPoolSize> sizes;
@@ -41,7 +45,7 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint
     set.bindingCount = binding::COUNT;
     set.pBindings = bindings;
     check(vkCreateDescriptorSetLayout(gpu.handle(), &set, nullptr, &setLayout_), "lay out descriptors");
-    VkPushConstantRange constants{VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof(uint32_t)};
+    VkPushConstantRange constants{VK_SHADER_STAGE_COMPUTE_BIT, 0, 2 * sizeof(uint32_t)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &setLayout_;
@@ -83,7 +87,7 @@ VkDescriptorSet TracePipelines::newSet() {
 void TracePipelines::freeSet(VkDescriptorSet set) { vkFreeDescriptorSets(gpu_.handle(), pool_, 1, &set); }
 
 TracePipelines::Key TracePipelines::keyOf(const Kind& kind) {
-    return {kind.effects.bits, kind.pathStack, roundUp(kind.bvhStack, 16), kind.varieties, kind.wide};
+    return {kind.effects.bits, kind.pathStack, roundUp(kind.bvhStack, 16), kind.varieties, kind.wide, kind.single};
 }
 
 VkPipeline TracePipelines::find(const Kind& kind) const {
@@ -104,8 +108,8 @@ VkPipeline TracePipelines::get(const Kind& kind) {
 }
 
 VkPipeline TracePipelines::make(const Key& constants) const {
-    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}};
-    VkSpecializationInfo specialization{5, entries, sizeof constants, constants.data()};
+    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}, {5, 20, 4}};
+    VkSpecializationInfo specialization{6, entries, sizeof constants, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module_, "main",
                   &specialization};

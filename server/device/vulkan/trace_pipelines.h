@@ -16,6 +16,9 @@ namespace heliograph {
 /// that dragging a slider does not compile a pipeline for every step.
 uint32_t pathStackSize(EffectSet effects, const Settings& settings);
 
+/// Whether paths may go on from a surface at all.
+bool pathsGoOn(EffectSet effects);
+
 class TracePipelines {
 public:
     /// bvhWidth: 2 or 4, as the scene's. `code`: another shader over the same bindings; its constant 1 is then free.
@@ -33,7 +36,8 @@ public:
         uint32_t pathStack = 0;  // pathStackSize
         uint32_t bvhStack = 0;
         uint32_t varieties = ~0u;
-        bool wide = false;
+        bool wide = false;    // asks the frame which of its effects it has
+        bool single = false;  // paths end at their first surface; those that would go on are counted
     };
     /// Compiles at the first call; calls for pipelines that are there do not wait for that. Safe from several threads.
     VkPipeline get(const Kind& kind);
@@ -41,7 +45,7 @@ public:
     VkPipeline find(const Kind& kind) const;
 
 private:
-    using Key = std::array<uint32_t, 5>;  // as in Kind: the values of the shader's constants
+    using Key = std::array<uint32_t, 6>;  // as in Kind: the values of the shader's constants
     static Key keyOf(const Kind& kind);
     VkPipeline make(const Key& constants) const;
 

@@ -2,7 +2,7 @@
 
 #include "server/base/log.h"
 #include "server/base/machine.h"
-#include "server/device/vulkan/batch.h"
+#include "server/device/vulkan/trace_work.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -101,16 +101,16 @@ public:
 
     void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                       std::stop_token stop) override {
-        for (size_t next = 0; next < tiles.size() && !stop.stop_requested();) {
+        for (TraceWork work{tiles, reachOf(request)}; !work.done() && !stop.stop_requested();) {
             Batch* batch = nullptr;
             try {
-                batch = submitNext(request, tiles, next);
+                batch = submitNext(request, work);
                 const double seconds = batch->finish();
                 learn(seconds, batch->samples());
                 // On few threads: all cores but those that the scheduler keeps free trace meanwhile.
                 tbb::task_arena adders(ADDERS);
                 adders.execute([&] {
-                    tbb::parallel_for(size_t(0), batch->tileCount(), [&](size_t i) { handOver(*batch, i, seconds, sink); });
+                    tbb::parallel_for(size_t(0), batch->tileCount(), [&](size_t i) { handOver(*batch, i, seconds, work, sink); });
                 });
                 release(*batch, false);
             } catch (...) {
@@ -130,11 +130,16 @@ public:
         const bool serving = warmth(request) != Warmth::cold;
         // Most drivers compile here, beside the frames of others; Mesa's at the first dispatch.
         pipelines_.get(kind);
-        if (serving) return setWarm(request);  // and its clocks are awake
+        if (serving) {  // and its clocks are awake
+            setWarm(request);
+            return addSingle(kind);
+        }
         lock.lock();
         if (!source_) return;
         untilIdle(lock);
         warmUp(residentFor(request.settings, {}), request);
+        lock.unlock();
+        if (standsBy()) addSingle(kind);
     }
 
     Warmth warmth(const FrameRequest& request) const override {
@@ -143,11 +148,10 @@ public:
         return wide_ && wide_->serves(request) ? Warmth::lukewarm : Warmth::cold;
     }
 
-    // On a processor Embree is faster than such a program would be.
     void standBy() override {
-        if (gpu_.physical().isCpu() && !alwaysStandsBy_) return;
+        if (!standsBy()) return;
         Wide wide;
-        TracePipelines::Kind kind;
+        TracePipelines::Kind kind, first;
         {
             std::lock_guard lock(mutex_);
             if (residents_.empty()) return;
@@ -157,10 +161,14 @@ public:
             wide.pathStack = pathStackSize(wide.effects, Settings{});
             kind = kindOf(*resident.scene, wide.effects, wide.pathStack);
             kind.wide = true;
+            first = kindFor(*resident.scene, firstRequest(Settings{}));
         }
         wide.pipeline = pipelines_.get(kind);
-        std::lock_guard lock(warmMutex_);
-        wide_ = wide;
+        {
+            std::lock_guard lock(warmMutex_);
+            wide_ = wide;
+        }
+        addSingle(first);
     }
 
 private:
@@ -169,6 +177,9 @@ private:
     static WarmKey warmKey(const FrameRequest& request) {
         return {request.effects.bits, pathStackSize(request.effects, request.settings), request.settings.bvhQuality};
     }
+
+    // On a processor Embree is faster than such programs would be, and each takes seconds to compile at its first dispatch.
+    bool standsBy() const { return !gpu_.physical().isCpu() || alwaysStandsBy_; }
 
     /// The program that serves until the one for a request's own effects is compiled: with all effects that the scene calls for.
     struct Wide {
@@ -209,8 +220,8 @@ private:
         return residents_.emplace(settings.bvhQuality, std::move(made)).first->second;
     }
 
-    // Submits as many tiles from `next` on as make a batch, in one that nobody else uses.
-    Batch* submitNext(const FrameRequest& request, std::span<const Tile> tiles, size_t& next) {
+    // Submits as many tiles as make a batch, in one that nobody else uses.
+    Batch* submitNext(const FrameRequest& request, TraceWork& work) {
         std::unique_lock lock(mutex_);
         if (!source_) throw std::logic_error("render before load");
         Resident& resident = residentFor(request.settings, {});
@@ -222,9 +233,9 @@ private:
         });
         inUse_.insert(batch);
         try {
-            const uint64_t wanted = size_.samples();
-            while (next < tiles.size() && batch->takes(tiles[next], wanted)) batch->add(tiles[next++]);
-            batch->submit(pipelineFor(resident, request), frameConstants(*source_, request));
+            const VkPipeline single = singleFor(resident, request);
+            work.fill(*batch, size_.samples(), single != VK_NULL_HANDLE);
+            batch->submit(pipelineFor(resident, request), single, frameConstants(*source_, request));
         } catch (...) {
             batch->forget();
             inUse_.erase(batch);
@@ -263,19 +274,33 @@ private:
         return pipelines_.get(kind);
     }
 
+    // The program for tiles whose paths have all ended at their first surface so far; null where there is none (yet).
+    VkPipeline singleFor(const Resident& resident, const FrameRequest& request) {
+        return reachOf(request) ? pipelines_.find(singleOf(kindFor(*resident.scene, request))) : VK_NULL_HANDLE;
+    }
+    static CellReach* reachOf(const FrameRequest& request) { return pathsGoOn(request.effects) ? request.reach.get() : nullptr; }
+    static TracePipelines::Kind singleOf(TracePipelines::Kind kind) {
+        kind.single = true;
+        kind.pathStack = 1;
+        return kind;
+    }
+    // Compiles it, if paths of that kind go on at all.
+    void addSingle(const TracePipelines::Kind& kind) {
+        if (pathsGoOn(kind.effects)) pipelines_.get(singleOf(kind));
+    }
+
     // Batches in order: while one is traced, the one before is handed over.
     void renderAll(Resident& resident, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
         FrameConstants frame = frameConstants(*source_, request);
         VkPipeline pipeline = pipelineFor(resident, request);
+        VkPipeline single = singleFor(resident, request);
         const uint64_t wanted = wantedSamples(tiles);
-        size_t next = 0;
+        TraceWork work{tiles, reachOf(request)};
         for (size_t turn = 0;; turn++) {
             Batch& batch = *resident.batches[turn % IN_FLIGHT];
-            if (batch.inFlight()) deliver(batch, sink);
-            if (!stop.stop_requested()) {
-                while (next < tiles.size() && batch.takes(tiles[next], wanted)) batch.add(tiles[next++]);
-            }
-            if (!batch.empty()) batch.submit(pipeline, frame);
+            if (batch.inFlight()) deliver(batch, work, sink);
+            if (!stop.stop_requested()) work.fill(batch, wanted, single != VK_NULL_HANDLE);
+            if (!batch.empty()) batch.submit(pipeline, single, frame);
             else if (!anyInFlight(resident)) return pipelines_.find(kindFor(*resident.scene, request)) ? setWarm(request) : void();
         }
     }
@@ -286,15 +311,17 @@ private:
         return false;
     }
 
-    void deliver(Batch& batch, const TileSink& sink) {
+    void deliver(Batch& batch, TraceWork& work, const TileSink& sink) {
         double seconds = batch.finish();
         size_.learn(seconds, batch.samples());
-        tbb::parallel_for(size_t(0), batch.tileCount(), [&](size_t i) { handOver(batch, i, seconds, sink); });
+        tbb::parallel_for(size_t(0), batch.tileCount(), [&](size_t i) { handOver(batch, i, seconds, work, sink); });
         batch.clear();
     }
 
-    void handOver(const Batch& batch, size_t index, double seconds, const TileSink& sink) {
+    void handOver(const Batch& batch, size_t index, double seconds, TraceWork& work, const TileSink& sink) {
         TileResult result = batch.result(index, seconds);
+        if (batch.wasCutOff(index)) return work.again(result.tile);
+        work.note(result);
         result.device = name_;
         sink(std::move(result));
     }

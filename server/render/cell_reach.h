@@ -1,0 +1,51 @@
+#pragma once
+// What a view's paths have reached so far, by tile: those that all ended at the first surface they met, and those that went on
+// (mirrors, glass, blended surfaces). Devices use it to choose a cheaper program for the former. It is a guess about samples
+// to come, never a promise: a sample may meet what none met before, and a device has to notice that.
+
+#include "server/render/frame_request.h"
+#include "server/render/tile.h"
+
+#include <atomic>
+#include <optional>
+#include <vector>
+
+namespace heliograph {
+
+/// Of one view: nothing that it depends on changes. All from any thread.
+class CellReach {
+public:
+    explicit CellReach(uvec2 resolution);
+    void note(const TileResult& result);
+    /// Whether every path of that tile has ended at its first surface, in all passes so far; false where none is known.
+    bool endsAtOnce(const Tile& tile) const;
+
+private:
+    enum class Known : uint8_t { nothing, ends, goesOn };
+    /// Known::nothing forever for tiles that are not in the picture.
+    std::atomic<Known>& at(const Tile& tile) const;
+
+    const uvec2 resolution_;  // pixels
+    mutable std::vector<std::atomic<Known>> known_;  // by the origin of the tile, in squares of 8 pixels; then one for others
+};
+
+/// Of a viewer: the same while the view is the same (camera, effects, size), a new one when anything has moved.
+class ReachOfView {
+public:
+    std::shared_ptr<CellReach> of(const FrameRequest& request);
+    /// The scene is another one.
+    void forget() { view_.reset(); }
+
+private:
+    struct View {
+        Camera camera;
+        std::optional<Camera> before;
+        uint32_t effects = 0;
+        uvec2 resolution{0, 0};
+        bool operator==(const View&) const = default;
+    };
+    std::optional<View> view_;
+    std::shared_ptr<CellReach> reach_;
+};
+
+}  // namespace heliograph
