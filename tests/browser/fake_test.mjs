@@ -260,8 +260,8 @@ async function effectChecks(checks, session) {
     const button = panel.locator('.measure');
     await session.ask('/received');
     await button.click();
-    expect((await session.received('effectCosts')).length === 1, 'the server was not asked once');
     await panel.getByText('Measuring … 50 %').waitFor({ timeout: 5000 });
+    expect((await session.received('effectCosts')).length === 1, 'the server was not asked once');
     expect(await button.isDisabled(), 'the button can be pressed again');
     await panel.getByText('Measured on embree at 320 × 180 pixels').waitFor({ timeout: 5000 });
     const figures = await effect('shadows').locator('.effect-figures').textContent();
