@@ -184,7 +184,11 @@ class FakeViewer {
     const scene = this.scene;
     this.say({ type: 'effectCosts', state: 'measuring', share: 0 });
     setTimeout(() => this.say({ type: 'effectCosts', state: 'measuring', share: 0.5 }), 300);
-    setTimeout(() => this.say(effectCosts(scene)), 900);
+    const finish = () => {
+      if (control.costs === 'hold') return void setTimeout(finish, 50);
+      this.say(effectCosts(scene));
+    };
+    setTimeout(finish, 900);
   }
 
   focus({ x, y, inputId }) {

@@ -259,10 +259,12 @@ async function effectChecks(checks, session) {
   await checks.check('effects: costs are measured on demand', async () => {
     const button = panel.locator('.measure');
     await session.ask('/received');
+    await session.ask('/control?costs=hold');
     await button.click();
     await panel.getByText('Measuring … 50 %').waitFor({ timeout: 5000 });
     expect((await session.received('effectCosts')).length === 1, 'the server was not asked once');
     expect(await button.isDisabled(), 'the button can be pressed again');
+    await session.ask('/control?costs=ready');
     await panel.getByText('Measured on embree at 320 × 180 pixels').waitFor({ timeout: 5000 });
     const figures = await effect('shadows').locator('.effect-figures').textContent();
     expect(figures === '2.31 M rays · costs 5.20 ms (21.40 with, 16.20 without)', figures);
