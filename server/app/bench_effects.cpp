@@ -10,6 +10,7 @@
 #include "server/render/frame_renderer.h"
 #include "server/scene/scene_source.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
@@ -21,7 +22,8 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr int64_t MOST_REPETITIONS = 100'000;
-constexpr uint32_t FRAMES_A_START = 5;
+constexpr uint32_t WARM_UP_PAIRS = 1;  // of each start
+constexpr uint32_t PAIRS = 3;          // then, of which the middle one counts
 
 /// A scene on its device, and how it is measured.
 struct Opened {
@@ -185,7 +187,7 @@ EffectAgainstResult benchAgainst(const BenchEffectsOptions& options, const Progr
     const std::vector<std::string> others =
         options.beside.empty() ? arguments : partnerArguments(options, options.beside);
     const std::string otherProgram = options.against.empty() ? ownProgram() : options.against;
-    for (uint32_t done = 0; done < bounds.repetitions; result.starts++) {
+    for (; result.starts < bounds.repetitions; result.starts++) {
         BenchPartner own(ownProgram(), arguments), other(otherProgram, others);
         own.greeting().at("scene").get_to(result.scene);
         own.greeting().at("core").get_to(result.core);
@@ -193,17 +195,21 @@ EffectAgainstResult benchAgainst(const BenchEffectsOptions& options, const Progr
         own.greeting().at("effects").get_to(result.effects);
         other.greeting().at("scene").get_to(result.otherScene);
         other.greeting().at("device").get_to(result.otherDevice);
-        result.identical = own.frame().at("hash") == other.frame().at("hash") && result.identical;  // warms up
-        for (uint32_t i = 0; i < FRAMES_A_START && done < bounds.repetitions; i++, done++) {
+        std::vector<std::pair<json, json>> pairs;
+        for (uint32_t i = 0; i < WARM_UP_PAIRS + PAIRS; i++) {
             json first, second;
-            if (done % 2 == 0) first = own.frame();
+            if ((i + result.starts) % 2 == 0) first = own.frame();
             second = other.frame();
-            if (done % 2 != 0) first = own.frame();
-            note(first, result.time.first);
-            note(second, result.time.second);
+            if ((i + result.starts) % 2 != 0) first = own.frame();
             result.identical = first.at("hash") == second.at("hash") && result.identical;
-            report(progress, "comparing builds", static_cast<double>(done + 1) / bounds.repetitions);
+            if (i >= WARM_UP_PAIRS) pairs.emplace_back(std::move(first), std::move(second));
         }
+        const char* time = result.core ? "core_ms" : "ms";
+        auto ratio = [&](const auto& pair) { return pair.first.at(time).template get<double>() / pair.second.at(time).template get<double>(); };
+        std::ranges::nth_element(pairs, pairs.begin() + PAIRS / 2, {}, ratio);
+        note(pairs[PAIRS / 2].first, result.time.first);
+        note(pairs[PAIRS / 2].second, result.time.second);
+        report(progress, "comparing", static_cast<double>(result.starts + 1) / bounds.repetitions);
     }
     return result;
 }
