@@ -79,7 +79,9 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surfa
     for (uint i = 0u; i < total; i++) {
         ShadowRay r;
         if (i < lights) {
+            uint index = i;
             if (HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG)) {
+                index = light;
                 uint own = surface ? lightSamples(light) : 0u;
                 if (!HAS(EFFECT_FOG) || raysOfLight < own)
                     r = lightSampleRay(light, raysOfLight, sampleIndex, pixel, p.salt, s, m, wo, throughput);
@@ -93,7 +95,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surfa
                 r = lightRay(i, s, m, wo, throughput);
             }
             if (!(maxComponent(r.contribution) > 0.0f)) continue;
-            if (!HAS(EFFECT_SHADOWS)) {
+            if (!HAS(EFFECT_SHADOWS) || (p.depth == 0u && shinesFromEye(index) != 0u)) {
                 radiance = radiance + r.contribution;
                 continue;
             }

@@ -12,6 +12,7 @@ namespace {
 /// What of a scene is really there: a material counts when a triangle that is placed at least once has it.
 struct Usage {
     const Scene& scene;
+    bool lit = false;                   // a surface answers to light
     std::vector<uint64_t> trianglesOf;  // by material, over all instances
     std::vector<bool> coloured;         // by material: a vertex of its triangles is not white
     std::vector<uint8_t> met;           // by material: MET_* bits of the meshes that its triangles are in
@@ -26,6 +27,7 @@ struct Usage {
         for (size_t m = 0; m < s.meshes.size(); m++) {
             if (uses[m] > 0) add(s.meshes[m], uses[m]);
         }
+        for (size_t m = 0; m < s.materials.size(); m++) lit |= trianglesOf[m] > 0 && (s.materials[m].flags & MATERIAL_UNLIT) == 0;
     }
 
 private:
@@ -163,11 +165,18 @@ bool glossy(const Scene& scene, const Material& m) {
     return !phong(m) && !transmits(scene, m) && m.roughness > 0.0f && reflects(scene, m);
 }
 
+/// Something that light falls on.
+Finding litSurfaceIn(const Usage& usage) {
+    if (usage.triangles == 0) return {false, "no triangles"};
+    if (!usage.lit) return {false, "every surface is unlit"};
+    return {true, counted(usage.triangles, "triangle")};
+}
+
 Finding shadowsIn(const Usage& usage) {
     const Scene& scene = usage.scene;
     if (scene.lights.empty()) return {false, "no light"};
     if (std::none_of(scene.lights.begin(), scene.lights.end(), shines)) return {false, "every light is black"};
-    if (usage.triangles == 0) return {false, "no triangles"};
+    if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
     static const char* const KINDS[] = {"point", "spot", "directional", "headlight", "quad"};
     std::string kinds;
     size_t shining = 0;
@@ -187,7 +196,7 @@ bool blends(const Usage& usage, uint32_t m) {
 
 Finding softShadowsIn(const Usage& usage) {
     const auto& lights = usage.scene.lights;
-    if (usage.triangles == 0) return {false, "no triangles"};
+    if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
     auto wide = std::count_if(lights.begin(), lights.end(), [](const Light& l) { return shines(l) && (l.radius > 0.0f || l.type == LIGHT_QUAD); });
     if (wide == 0) return {false, "no light has an extent"};
     return {true, counted(static_cast<uint64_t>(wide), "light") + " with an extent"};
@@ -234,10 +243,14 @@ Finding findingFor(uint32_t effect, const Usage& usage) {
         case EFFECT_REFRACTIONS:
             return material("no transmissive material", [&](const Material& m) { return transmits(usage.scene, m); });
         case EFFECT_AMBIENT_OCCLUSION:
+        case EFFECT_INDIRECT_LIGHT: {
+            Finding surface = litSurfaceIn(usage);
+            if (surface.calledFor) surface.because += "; the viewer chooses";
+            return surface;
+        }
         case EFFECT_DEPTH_OF_FIELD:
         case EFFECT_FOG:
         case EFFECT_MOTION_BLUR:
-        case EFFECT_INDIRECT_LIGHT:
             if (usage.triangles == 0) return {false, "no triangles"};
             return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
         case EFFECT_ENVIRONMENT_IMAGE: return environmentIn(usage);

@@ -28,6 +28,15 @@ float lightFalloff(Light light, float distance) {
     return SELECT(d2 > 0.0f, window / SELECT(d2 > 0.0f, d2, 1.0f), 0.0f);
 }
 
+// Not 0 if the light shines from the very point where the camera's rays begin: it reaches whatever they meet first, and no ray
+// has to find that out.
+UNIFORM_UINT shinesFromEye(UNIFORM_UINT index) {
+    if (HAS(EFFECT_DEPTH_OF_FIELD) || HAS(EFFECT_MOTION_BLUR)) return 0u;
+    Light light = LIGHT(index);
+    if (light.type == LIGHT_HEADLIGHT) return 1u;
+    return 0u;
+}
+
 // Share of a spot light that goes the way against `direction` (unit, towards the light).
 float spotEdge(Light light, vec3 direction) {
     float cosine = -dot(direction, light.direction);

@@ -5,6 +5,7 @@
 #include "server/scene/scene_source.h"
 #include "tests/support/material_zoo.h"
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -68,6 +69,33 @@ TEST(WorkLeftOut, NoShadowRayOutsideTheLightOfAQuadOrASoftSpot) {
     EXPECT_EQ(raysOf(RayKind::shadow, floorOf(white, light)), 0u) << "it shines the other way";
     light.direction = vec3(0, -1, 0);
     EXPECT_EQ(raysOf(RayKind::shadow, floorOf(white, light)), 4u * PIXELS);
+}
+
+// A light at the eye reaches whatever the camera's rays meet first; what lies behind a mirror, or is seen through a lens, may be
+// in its shadow.
+TEST(WorkLeftOut, NoShadowRayToALightAtTheEye) {
+    Light light = pointLight(vec3(0.0f), vec3(2.0f));
+    light.type = LIGHT_HEADLIGHT;
+    const auto floor = floorOf(paint(vec3(1.0f)), light);
+    EXPECT_EQ(raysOf(RayKind::shadow, floor), 0u);
+    const Picture lit = render(floor, DOWN);
+    EXPECT_NEAR(lit.at(48, 48).x, 2.0 / EXACT_PI, 1e-3) << "and yet it shines";
+    Settings settings;
+    settings.fog = true;
+    EXPECT_EQ(raysOf(RayKind::shadow, floor, settings), 0u) << "nor from the fog before it";
+    settings.fog = false;
+    settings.depthOfField = true;
+    settings.aperture = 0.1f;
+    EXPECT_EQ(raysOf(RayKind::shadow, floor, settings), PIXELS);
+    // Over the head of the camera there is a ceiling, which the floor mirrors.
+    SceneBuilder builder("between mirrors");
+    builder.setEnvironmentColor(vec3(0.0f));
+    place(builder, ground(100.0f, builder.addMaterial(mirror(0.5f), "floor")));
+    place(builder, ground(100.0f, builder.addMaterial(paint(vec3(1.0f)), "ceiling")), glm::translate(mat4(1.0f), vec3(0, 6, 0)));
+    builder.addLight(light);
+    const RayCounts rays = render(builder.finish(), DOWN).stats.rays;
+    EXPECT_EQ(rays[RayKind::reflection], PIXELS);
+    EXPECT_EQ(rays[RayKind::shadow], PIXELS) << "of the ceiling alone";
 }
 
 TEST(WorkLeftOut, NoLightOrOcclusionRayOnWhatOnlyGlows) {

@@ -212,6 +212,15 @@ TEST(EffectSet, BlackLightsCastNoShadows) {
     EXPECT_EQ(reasonFor(*squareScene(), EFFECT_SHADOWS).because, "1 light (1 directional)");
 }
 
+TEST(EffectSet, NothingFallsOnUnlitSurfaces) {
+    const auto scene = squareScene([](Material& m) { m.flags |= MATERIAL_UNLIT; });
+    for (uint32_t effect : {EFFECT_SHADOWS, EFFECT_TRANSPARENT_SHADOWS, EFFECT_SOFT_SHADOWS, EFFECT_AMBIENT_OCCLUSION, EFFECT_INDIRECT_LIGHT}) {
+        EXPECT_FALSE(effectsOf(*scene).has(effect));
+        EXPECT_EQ(reasonFor(*scene, effect).because, "every surface is unlit");
+    }
+    EXPECT_TRUE(effectsOf(*scene).has(EFFECT_FOG)) << "which is before them";
+}
+
 TEST(EffectSet, RowsNameTheirSwitch) {
     std::vector<EffectReason> rows = explainEffects(*squareScene());
     EXPECT_EQ(rows.at(0).setting, "shadows");

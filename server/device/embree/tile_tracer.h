@@ -241,7 +241,7 @@ private:
             for (uint32_t l = 0; l < lights; l++) arena_.shadows.data[l]->count = 0;
             arena_.occlusionCount = 0;
             for (uint32_t i = first; i < end; i += LANES) shade(i, end);
-            for (uint32_t l = 0; l < lights; l++) traceShadows(*arena_.shadows.data[l]);
+            for (uint32_t l = 0; l < lights; l++) traceShadows(l);
             traceOcclusion();
         }
     }
@@ -365,8 +365,10 @@ private:
         }
     }
 
-    void traceShadows(ShadowQueue& queue) {
-        bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0;
+    void traceShadows(uint32_t light) {
+        ShadowQueue& queue = *arena_.shadows.data[light];
+        bool seen = !secondary_ && kernel_.shinesFromEye(light) != 0;  // by all that the camera's rays meet
+        bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0 && !seen;
         bool coloured = (EFFECTS & kernel_.frame.effects & EFFECT_TRANSPARENT_SHADOWS) != 0;  // else as if opaque
         TraceMode how{mode().width, !secondary_ && job_.coherentShadows};
         if (traced) count(RayKind::shadow, queue.count);
@@ -383,12 +385,12 @@ private:
             for (uint32_t i = 0; i < rays; i++) {
                 if (blocked >> i & 1u) continue;
                 uint32_t lane = queue.lanes.data[first + i];
-                vec3 light(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
-                           queue.contribution[2].data[first + i]);
-                if (passed >> i & 1u) light = light * throughTransparent(packet, i);
-                arena_.radiance[0][lane] += light.x;
-                arena_.radiance[1][lane] += light.y;
-                arena_.radiance[2][lane] += light.z;
+                vec3 radiance(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
+                              queue.contribution[2].data[first + i]);
+                if (passed >> i & 1u) radiance = radiance * throughTransparent(packet, i);
+                arena_.radiance[0][lane] += radiance.x;
+                arena_.radiance[1][lane] += radiance.y;
+                arena_.radiance[2][lane] += radiance.z;
             }
         }
     }
