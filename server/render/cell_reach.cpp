@@ -5,13 +5,32 @@ namespace heliograph {
 namespace {
 
 constexpr uint32_t SQUARE = 8;  // pixels; tiles are no smaller
+constexpr float SMALL_TURN = 0.98f;  // cosine of it; more is a jump, of which nothing can be guessed
+
+bool nearby(const Camera& a, const Camera& b) {
+    return a.fieldOfView == b.fieldOfView && glm::dot(a.forward, b.forward) > SMALL_TURN * glm::length(a.forward) * glm::length(b.forward) &&
+           glm::dot(a.up, b.up) > SMALL_TURN * glm::length(a.up) * glm::length(b.up);
+}
 
 uint32_t squares(uint32_t pixels) { return (pixels + SQUARE - 1) / SQUARE; }
 
 }  // namespace
 
-CellReach::CellReach(uvec2 resolution)
-    : resolution_(resolution), known_(size_t(squares(resolution.x)) * squares(resolution.y) + 1) {}
+CellReach::CellReach(uvec2 resolution, const CellReach* near)
+    : resolution_(resolution), known_(size_t(squares(resolution.x)) * squares(resolution.y) + 1) {
+    const uint32_t stepX = near ? near->pitchX_.load() : 0, stepY = near ? near->pitchY_.load() : 0;
+    if (stepX == 0 || stepY == 0) return;
+    const uint32_t columns = squares(resolution_.x), rows = squares(resolution_.y);
+    auto ended = [&](uint32_t x, uint32_t y) { return near->known_[size_t(y) * columns + x] == Known::ends; };
+    for (uint32_t y = 0; y < rows; y += stepY) {
+        for (uint32_t x = 0; x < columns; x += stepX) {
+            bool all = true;
+            for (uint32_t j = y < stepY ? y : y - stepY; j <= y + stepY && j < rows; j += stepY)
+                for (uint32_t i = x < stepX ? x : x - stepX; i <= x + stepX && i < columns; i += stepX) all = all && ended(i, j);
+            if (all) known_[size_t(y) * columns + x] = Known::guessed;
+        }
+    }
+}
 
 std::atomic<CellReach::Known>& CellReach::at(const Tile& tile) const {
     if (tile.origin.x >= resolution_.x || tile.origin.y >= resolution_.y) return known_.back();
@@ -22,18 +41,26 @@ void CellReach::note(const TileResult& result) {
     const bool goesOn = result.rays[RayKind::reflection] + result.rays[RayKind::refraction] > 0;
     std::atomic<Known>& known = at(result.tile);
     if (&known == &known_.back()) return;
-    Known before = Known::nothing;
-    if (goesOn) known.store(Known::goesOn, std::memory_order_relaxed);
-    else known.compare_exchange_strong(before, Known::ends, std::memory_order_relaxed);  // what went on once stays
+    if (result.tile.origin == uvec2(0)) {  // as large as any
+        pitchX_ = squares(result.tile.size.x);
+        pitchY_ = squares(result.tile.size.y);
+    }
+    if (goesOn) return known.store(Known::goesOn, std::memory_order_relaxed);
+    for (Known before : {Known::nothing, Known::guessed})  // what went on once stays
+        known.compare_exchange_strong(before, Known::ends, std::memory_order_relaxed);
 }
 
-bool CellReach::endsAtOnce(const Tile& tile) const { return at(tile).load(std::memory_order_relaxed) == Known::ends; }
+bool CellReach::endsAtOnce(const Tile& tile) const {
+    const Known known = at(tile).load(std::memory_order_relaxed);
+    return known == Known::ends || known == Known::guessed;
+}
 
 std::shared_ptr<CellReach> ReachOfView::of(const FrameRequest& request) {
     const View view{request.camera, request.previousCamera, request.effects.bits, request.resolution};
     if (!(view_ == view)) {
+        const bool moved = view_ && view_->effects == view.effects && view_->resolution == view.resolution && nearby(view_->camera, view.camera);
+        reach_ = std::make_shared<CellReach>(request.resolution, moved ? reach_.get() : nullptr);
         view_ = view;
-        reach_ = std::make_shared<CellReach>(request.resolution);
     }
     return reach_;
 }

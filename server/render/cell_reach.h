@@ -15,21 +15,27 @@ namespace heliograph {
 /// Of one view: nothing that it depends on changes. All from any thread.
 class CellReach {
 public:
-    explicit CellReach(uvec2 resolution);
+    /// `near`: of a view nearby, of the same size. Tiles that ended at once there, with all of their neighbours, are guessed to do
+    /// so here.
+    explicit CellReach(uvec2 resolution, const CellReach* near = nullptr);
+
     void note(const TileResult& result);
-    /// Whether every path of that tile has ended at its first surface, in all passes so far; false where none is known.
+    /// Whether every path of that tile has ended at its first surface, in all passes so far, or is guessed to; false where
+    /// nothing is known.
     bool endsAtOnce(const Tile& tile) const;
 
 private:
-    enum class Known : uint8_t { nothing, ends, goesOn };
+    enum class Known : uint8_t { nothing, guessed, ends, goesOn };
     /// Known::nothing forever for tiles that are not in the picture.
     std::atomic<Known>& at(const Tile& tile) const;
 
     const uvec2 resolution_;  // pixels
     mutable std::vector<std::atomic<Known>> known_;  // by the origin of the tile, in squares of 8 pixels; then one for others
+    std::atomic<uint32_t> pitchX_{0}, pitchY_{0};    // of the tiles; squares; 0: none was noted
 };
 
-/// Of a viewer: the same while the view is the same (camera, effects, size), a new one when anything has moved.
+/// Of a viewer: the same while the view is the same (camera, effects, size), a new one when anything has moved. After a small
+/// move of the camera alone it begins with a guess.
 class ReachOfView {
 public:
     std::shared_ptr<CellReach> of(const FrameRequest& request);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 
 namespace heliograph::gpu_bench {
@@ -195,6 +196,26 @@ ordered_json benchReach(const Options& options) {
             json[name].push_back({{"ambient_occlusion", occlusion}, {"ms_without", percentile(ms[0], 0.5)}, {"ms_with", percentile(ms[1], 0.5)},
                                   {"ratio", percentile(ratios, 0.5)}, {"single_share", double(single) / double(tiles.size())},
                                   {"rays", rays[0]}, {"same_rays", rays[0] == rays[1]}});
+            // The same while the camera turns by half a degree a frame, to and fro.
+            ReachOfView reaches;
+            ratios.clear();
+            ms[0].clear();
+            ms[1].clear();
+            bool same = true;
+            for (uint32_t i = 0; i < 2 * options.repetitions; i++) {
+                const float angle = 0.00873f * static_cast<float>(i % 20 < 10 ? i % 20 : 20 - i % 20);
+                const vec3 forward = cameraFrom(scene->cameras.front()).forward;
+                blind.camera.forward = vec3(forward.x * std::cos(angle) + forward.z * std::sin(angle), forward.y,
+                                            forward.z * std::cos(angle) - forward.x * std::sin(angle));
+                knowing.camera = blind.camera;
+                knowing.reach = reaches.of(knowing);
+                ms[0].push_back(milliseconds(blind, rays[0]));
+                ms[1].push_back(milliseconds(knowing, rays[1]));
+                ratios.push_back(ms[1].back() / ms[0].back());
+                same = same && rays[0] == rays[1];
+            }
+            json[name].back()["turning"] = {{"ms_without", percentile(ms[0], 0.5)}, {"ms_with", percentile(ms[1], 0.5)},
+                                            {"ratio", percentile(ratios, 0.5)}, {"same_rays", same}};
         }
     }
     return json;

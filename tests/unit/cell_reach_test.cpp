@@ -52,6 +52,50 @@ TEST(CellReach, TilesOutsideOfTheViewAreUnknown) {
     EXPECT_TRUE(reach.endsAtOnce(tileAt(32, 8)));
 }
 
+/// Of a picture of 5 x 4 tiles whose tile in the middle of the left column went on.
+std::shared_ptr<CellReach> mirrorAtTheLeft(ReachOfView& reaches, const FrameRequest& request) {
+    const auto reach = reaches.of(request);
+    for (uint32_t y = 0; y < 128; y += 32)
+        for (uint32_t x = 0; x < 160; x += 32) reach->note(resultAt(x, y, x == 0 && y == 64 ? 1 : 0));
+    return reach;
+}
+
+TEST(ReachOfView, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
+    ReachOfView reaches;
+    FrameRequest request = requestOf(uvec2(160, 128));
+    mirrorAtTheLeft(reaches, request);
+    request.camera.position.x += 0.1f;
+    const auto reach = reaches.of(request);
+    for (uint32_t y = 0; y < 128; y += 32)
+        for (uint32_t x = 0; x < 160; x += 32)
+            EXPECT_EQ(reach->endsAtOnce(tileAt(x, y)), x > 32 || y < 32) << x << ' ' << y;
+    // What is found out counts more than the guess, and guesses are no ground for others.
+    reach->note(resultAt(96, 0, 2));
+    EXPECT_FALSE(reach->endsAtOnce(tileAt(96, 0)));
+    reach->note(resultAt(128, 96, 0));
+    EXPECT_TRUE(reach->endsAtOnce(tileAt(128, 96)));
+    request.camera.position.x += 0.1f;
+    EXPECT_FALSE(reaches.of(request)->endsAtOnce(tileAt(64, 64))) << "it was never looked at";
+}
+
+TEST(ReachOfView, NothingIsGuessedAfterAJumpOrAnotherChange) {
+    const FrameRequest first = requestOf(uvec2(160, 128));
+    const auto guessedAfter = [&](auto change) {
+        ReachOfView reaches;
+        FrameRequest request = first;
+        mirrorAtTheLeft(reaches, request);
+        change(request);
+        return reaches.of(request)->endsAtOnce(tileAt(128, 0));
+    };
+    EXPECT_TRUE(guessedAfter([](FrameRequest& r) { r.camera.position.y += 0.01f; }));
+    EXPECT_TRUE(guessedAfter([](FrameRequest& r) { r.camera.forward = vec3(0.05f, 0, -1); }));
+    EXPECT_FALSE(guessedAfter([](FrameRequest& r) { r.camera.forward = vec3(1, 0, 0); }));
+    EXPECT_FALSE(guessedAfter([](FrameRequest& r) { r.camera.up = vec3(1, 0, 0); }));
+    EXPECT_FALSE(guessedAfter([](FrameRequest& r) { r.camera.fieldOfView += 10.0f; }));
+    EXPECT_FALSE(guessedAfter([](FrameRequest& r) { r.effects.bits ^= EFFECT_REFLECTIONS; }));
+    EXPECT_FALSE(guessedAfter([](FrameRequest& r) { r.resolution = uvec2(161, 128); }));
+}
+
 TEST(ReachOfView, LastsUntilSomethingChanges) {
     ReachOfView reaches;
     const FrameRequest first = requestOf();
