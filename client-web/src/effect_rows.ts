@@ -50,16 +50,21 @@ export function effectState(row: EffectRow, allowed: boolean): string {
   return allowed ? `on${because}` : `switched off, the scene calls for it${because}`;
 }
 
-/** Rays of the last pass and measured cost, as far as they are known. */
-export function effectFigures(row: EffectRow, rays: Numbers | null, cost: EffectCost | null): string {
+/**
+ * Rays of the last pass and measured cost, as far as they are known. `scale`: pixels of the view over those that were
+ * measured.
+ */
+export function effectFigures(row: EffectRow, rays: Numbers | null, cost: EffectCost | null, scale = 1): string {
   const kind = RAY_KINDS[row.name];
   const shot = kind === undefined || rays === null ? undefined : rays[kind];
   const rayCount = (value: number): string => `${count(value)} ${value === 1 ? 'ray' : 'rays'}`;
   const parts = shot === undefined ? [] : [rayCount(shot)];
   if (cost !== null) {
-    const more = cost.raysOn - cost.raysOff;
-    const digits = (ms: number): string => compact(ms, 2);
-    parts.push(`costs ${digits(cost.onMs - cost.offMs)} ms (${digits(cost.onMs)} with, ${digits(cost.offMs)} without)`);
+    const more = Math.round(scale * (cost.raysOn - cost.raysOff));
+    const digits = (ms: number): string => compact(scale * ms, 2);
+    const about = scale > 1 ? 'about ' : '';
+    const both = `${digits(cost.onMs)} with, ${digits(cost.offMs)} without`;
+    parts.push(`costs ${about}${digits(cost.onMs - cost.offMs)} ms (${both})`);
     if (more !== 0) parts.push(`${rayCount(Math.abs(more))} ${more > 0 ? 'more' : 'fewer'}`);
   }
   return parts.join(' · ');

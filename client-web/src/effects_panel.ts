@@ -40,9 +40,10 @@ export class EffectsPanel {
     const rays = this.viewer_.state.stats?.rays ?? null;
     const { state } = this.viewer_.effectCosts;
     const costs = state.name === 'ready' ? state.costs.rows : [];
+    const scale = state.name === 'ready' ? state.costs.scale : 1;
     for (const item of this.items_) {
       const cost = costs.find((entry) => entry.name === item.row.name) ?? null;
-      item.show(this.allowed(item.row), effectFigures(item.row, rays, cost));
+      item.show(this.allowed(item.row), effectFigures(item.row, rays, cost, scale));
     }
   }
 
@@ -83,8 +84,10 @@ export class EffectsPanel {
     this.progress_.value = measuring ? state.share : 0;
     this.error_.hidden = state.name !== 'failed';
     setText(this.error_, state.name === 'failed' ? state.message : '');
-    const { device, width, height } = state.name === 'ready' ? state.costs : { device: '', width: 0, height: 0 };
-    const measured = `Measured on ${device} at ${width} × ${height} pixels, with and without each effect.`;
+    const { device, width, height, scale } =
+      state.name === 'ready' ? state.costs : { device: '', width: 0, height: 0, scale: 1 };
+    const scaled = scale > 1 ? '; for one sample a pixel of this view' : '';
+    const measured = `Measured on ${device} at ${width} × ${height} pixels, with and without each effect${scaled}.`;
     setText(this.remark_, state.name === 'ready' ? measured : '');
     this.refresh();
   }

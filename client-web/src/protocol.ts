@@ -59,6 +59,7 @@ export interface EffectCosts {
   readonly device: string;
   readonly width: number; // pixels of the picture it was measured with
   readonly height: number;
+  readonly scale: number; // pixels of the view over those
   readonly rows: readonly EffectCost[];
 }
 
@@ -269,6 +270,7 @@ function effectCostsOf(fields: Fields): EffectCostsMessage {
     device: textOf(fields['device']),
     width: numberOf(fields['width']),
     height: numberOf(fields['height']),
+    scale: Math.max(numberOf(fields['scale'], 1), 1),
     rows: listOf(fields['rows']).map((entry) => {
       const row = fieldsOf(entry);
       return {

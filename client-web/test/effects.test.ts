@@ -76,6 +76,11 @@ test('effectFigures: rays of the kinds that one effect shoots alone, and the mea
   assert.equal(effectFigures(shadows!, null, null), '');
   const cost = { name: 'textures', onMs: 121.4, offMs: 121.5, raysOn: 7, raysOff: 12 };
   assert.equal(effectFigures(textures!, rays, cost), 'costs -0.10 ms (121 with, 122 without) \u00b7 5 rays fewer');
+  assert.equal(
+    effectFigures(textures!, null, { name: 'textures', onMs: 3, offMs: 1, raysOn: 30, raysOff: 10 }, 2.5),
+    'costs about 5.00 ms (7.50 with, 2.50 without) \u00b7 50 rays more',
+    'for the pixels of the view',
+  );
 });
 
 function costs(text: object): EffectCostsMessage {
@@ -87,7 +92,8 @@ const READY = { state: 'ready', scene: 'glass', device: 'embree', width: 320, he
 
 test('effectCosts: read from the server, another state is refused', () => {
   const row = { name: 'shadows', onMs: 2, offMs: 1, raysOn: 20, raysOff: 10 };
-  assert.deepEqual(costs({ ...READY, rows: [row] }), { type: 'effectCosts', ...READY, rows: [row] });
+  assert.deepEqual(costs({ ...READY, rows: [row] }), { type: 'effectCosts', ...READY, scale: 1, rows: [row] });
+  assert.deepEqual(costs({ ...READY, scale: 4.5, rows: [] }), { type: 'effectCosts', ...READY, scale: 4.5, rows: [] });
   assert.deepEqual(costs({ state: 'measuring', share: 0.25 }), {
     type: 'effectCosts',
     state: 'measuring',

@@ -11,7 +11,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr double DEVICE_SECONDS = 1.0;  // for all of it, about
+constexpr double DEVICE_SECONDS = 3.0;  // for all of it, about
 constexpr uint32_t REPETITIONS = 5;     // counted; one more warms up
 constexpr uint64_t MOST_PIXELS = 1920 * 1080;
 constexpr uint64_t TRIAL_PIXELS = 128 * 1024;  // of the frame from which the size is worked out
