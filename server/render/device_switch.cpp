@@ -30,6 +30,7 @@ struct Entry {
     std::shared_ptr<Device> device;   // null until it holds the scene
     std::string aside;                // why it is set aside; empty = it is not
     bool busy = false;                // somebody gets it ready in the background
+    bool blocked = false;             // and frames would wait for that
     bool stalls = false;              // it was waited for in vain
 
     std::shared_ptr<Device> ready() {
@@ -286,11 +287,12 @@ private:
         {
             std::lock_guard lock(member->mutex);
             const Warmth warmth = member->device ? member->device->warmth(request) : Warmth::cold;
-            if (warmth == Warmth::warm) return {};
+            if (warmth == Warmth::warm) return member->blocked ? "is compiling for other effects" : "";
             serves = warmth == Warmth::lukewarm;
             if (serves && member->busy) return {};
             if (member->busy) return member->device ? "is compiling for these effects" : "is being given the scene";
             member->busy = true;
+            member->blocked = !serves && !options_.patient;
         }
         auto work = [this, member, wanted] {
             if (std::shared_ptr<Device> device = loaded(member->name, wanted.settings, {})) {
@@ -301,7 +303,7 @@ private:
                 }
             }
             std::lock_guard lock(member->mutex);
-            member->busy = false;
+            member->busy = member->blocked = false;
         };
         // The device that is there already has nothing to wait for.
         if (options_.patient || (member->ready() && !offer_.team.empty() && member->name == offer_.team.front())) {

@@ -259,6 +259,20 @@ TEST_F(Hybrid, TheProcessorServesWhileADeviceCompiles) {
     EXPECT_TRUE(notices.empty());
 }
 
+// Nor is one waited for that knows this request, but is compiling for another one.
+TEST_F(Hybrid, TheProcessorServesWhileADeviceCompilesForAnotherRequest) {
+    settings.set("device", "vulkan:0");
+    make(false);
+    gpu.cold = true;
+    gpu.hold();
+    render();
+    ASSERT_TRUE(gpu.untilHeld());
+    gpu.cold = false;
+    EXPECT_EQ(render().tiles.count("vulkan:0"), 0u);
+    gpu.release();
+    while (render().tiles.count("vulkan:0") == 0) {}
+}
+
 // With the scene at hand before it is needed, no frame waits for the processor to be given it.
 TEST_F(Hybrid, TheSpareOfATracedDeviceIsGivenTheSceneInTheBackground) {
     settings.set("device", "vulkan:0");
