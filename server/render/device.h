@@ -54,7 +54,7 @@ public:
     /// Whether `render` needs such a warm-up for the request. Never waits for a frame in progress.
     virtual Warmth warmth(const FrameRequest& request) const { return static_cast<void>(request), Warmth::warm; }
     /// Makes the device lukewarm for whatever effects a viewer of the scene may switch on, as far as it can. May take seconds,
-    /// beside `render`. Throws when the device is lost.
+    /// beside `render`; if it throws, the device goes on without.
     virtual void standBy() {}
     /// Renders the tiles in the order given and returns when all are delivered or `stop` was asked for (tiles not begun
     /// are then left out). Must not be called while load runs. Throws when the device is lost.

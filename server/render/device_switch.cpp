@@ -142,7 +142,7 @@ private:
         try {
             device.standBy();
         } catch (const std::exception& error) {
-            setAside(name, error.what());
+            log().warn("{} cannot stand by for other effects: {}", name, error.what());  // it still renders
         }
     }
 

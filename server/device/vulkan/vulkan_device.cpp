@@ -68,6 +68,7 @@ public:
             std::lock_guard warm(warmMutex_);
             warm_.clear();
             wide_.reset();
+            loads_++;
         }
         source_ = std::move(scene);
         try {
@@ -152,9 +153,12 @@ public:
         if (!standsBy()) return;
         Wide wide;
         TracePipelines::Kind kind, first;
+        uint32_t loads;
         {
             std::lock_guard lock(mutex_);
             if (residents_.empty()) return;
+            std::lock_guard warm(warmMutex_);
+            loads = loads_;
             const auto& [quality, resident] = *residents_.begin();
             wide.quality = quality;
             wide.effects = effectsOf(*source_);
@@ -166,6 +170,7 @@ public:
         wide.pipeline = pipelines_.get(kind);
         {
             std::lock_guard lock(warmMutex_);
+            if (loads_ != loads) return;  // it was made for another scene
             wide_ = wide;
         }
         addSingle(first);
@@ -301,8 +306,9 @@ private:
             if (batch.inFlight()) deliver(batch, work, sink);
             if (!stop.stop_requested()) work.fill(batch, wanted, single != VK_NULL_HANDLE);
             if (!batch.empty()) batch.submit(pipeline, single, frame);
-            else if (!anyInFlight(resident)) return pipelines_.find(kindFor(*resident.scene, request)) ? setWarm(request) : void();
+            else if (!anyInFlight(resident)) break;
         }
+        if (pipelines_.find(kindFor(*resident.scene, request))) setWarm(request);  // else the wide one has served
     }
 
     static bool anyInFlight(const Resident& resident) {
@@ -383,6 +389,7 @@ private:
     const bool alwaysStandsBy_;
     mutable std::mutex warmMutex_;
     std::optional<Wide> wide_;
+    uint32_t loads_ = 0;  // scenes so far
     std::set<WarmKey> warm_;  // has rendered such requests
     std::mutex mutex_;
     std::condition_variable idle_;
