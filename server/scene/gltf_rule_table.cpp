@@ -108,6 +108,7 @@ constexpr JsonRule RULES[] = {
     {"skin", "joints", Is::wholes, 0, ANY, "nodes", true},
     {"skin", "skeleton", Is::index, 0, ANY, "nodes"},
     {"skin", "inverseBindMatrices", Is::index, 0, ANY, "accessors"},
+    {"animation", "name", Is::text},
     {"animation", "channels", Is::list, -ANY, ANY, "channel", true},
     {"animation", "samplers", Is::list, -ANY, ANY, "animationSampler", true},
     {"channel", "sampler", Is::whole, 0, 2147483647, "", true},

@@ -70,6 +70,8 @@ TEST(GltfLoader, RemembersWhatTheFileWouldHaveMoving) {
     EXPECT_EQ(scene->atRest.animations, (std::vector<std::string>{"walk", ""}));
     EXPECT_EQ(scene->atRest.skinnedMeshes, 1u);
     EXPECT_EQ(scene->atRest.morphedMeshes, 1u);
+    json.replace(json.find(R"("walk")"), 6, "5");
+    EXPECT_THAT(refusal(json), HasSubstr("/animations/0/name: 5; allowed: "));
     const auto still = openText(triangleJson(dataUri(triangleBytes())));
     EXPECT_TRUE(still->atRest.animations.empty());
     EXPECT_EQ(still->atRest.skinnedMeshes + still->atRest.morphedMeshes, 0u);
