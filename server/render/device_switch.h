@@ -29,8 +29,9 @@ struct DeviceSwitchOptions {
 };
 
 /// `load` gives the scene to the device that its settings name; the others get it in `prepare`, or in `render` for want of
-/// it; hybrid's get it in the background, so does the spare of a traced device unless the switch is patient. A device that could not be started or loaded is tried again when it is asked for by
-/// name again, unless there is a spare. The scheduler outlives the switch.
+/// it; hybrid's get it in the background, so does the spare of a traced device unless the switch is patient. A device that
+/// could not be started or loaded is tried again when it is asked for by name again, unless there is a spare. The scheduler
+/// outlives the switch.
 std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options = {});
 
 /// Devices of hybrid that the settings switch off.
