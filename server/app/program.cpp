@@ -7,6 +7,7 @@
 #include "server/app/serve_command.h"
 #include "server/base/error.h"
 #include "server/base/text.h"
+#include "server/base/version.h"
 
 #include <CLI/CLI.hpp>
 
@@ -46,7 +47,7 @@ void describe(CLI::App& app) {
     app.description("Heliograph: ray tracing on a machine far away, watched in a browser.");
     app.name("heliograph");
     app.require_subcommand(1);
-    app.set_version_flag("--version", "heliograph " HELIOGRAPH_VERSION, "Print the version and end.");
+    app.set_version_flag("--version", std::string("heliograph ") + programVersion(), "Print the version and end.");
     app.footer(
         "SCENE is the name of a scene that the program makes itself (courtyard, cathedral, glass, cornell) or a\n"
         ".gltf, .glb or .obj file.\n"

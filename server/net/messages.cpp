@@ -1,6 +1,7 @@
 #include "server/net/messages.h"
 
 #include "server/render/effect_set.h"
+#include "server/base/version.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,7 +58,7 @@ std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes
     }
     json offered = json::array();
     for (const SceneRecipe& scene : scenes) offered.push_back({{"name", scene.name}, {"description", scene.description}});
-    return text({{"type", "hello"}, {"protocol", PROTOCOL_NAME}, {"server", HELIOGRAPH_VERSION}, {"viewer", viewer},
+    return text({{"type", "hello"}, {"protocol", PROTOCOL_NAME}, {"server", programVersion()}, {"viewer", viewer},
                  {"schema", schema}, {"scenes", offered}, {"maxUnacked", MAX_UNACKED}});
 }
 

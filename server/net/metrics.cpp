@@ -1,4 +1,5 @@
 #include "server/net/metrics.h"
+#include "server/base/version.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,7 +54,7 @@ void Histogram::write(const std::string& name, const std::string& labels, std::s
 std::string Metrics::text(size_t viewers, size_t scenes, uint64_t bytes) const {
     std::string out;
     head("heliograph_build_info", "gauge", "Version of the server.", out);
-    out += "heliograph_build_info{version=\"" HELIOGRAPH_VERSION "\"} 1\n";
+    out += std::string("heliograph_build_info{version=\"") + programVersion() + "\"} 1\n";
     single("heliograph_viewers", "gauge", "Viewers connected.", viewers, out);
     single("heliograph_resident_scenes", "gauge", "Scenes ready to be rendered.", scenes, out);
     single("heliograph_resident_memory_bytes", "gauge", "Memory of the process.", bytes, out);

@@ -2,6 +2,7 @@
 // Where scenes come from: the names of scenes/ (generated) and files (.gltf, .glb, .obj).
 
 #include "server/base/progress.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/scene.h"
 
 #include <memory>
@@ -9,12 +10,6 @@
 #include <vector>
 
 namespace heliograph {
-
-/// A scene that the program can make by itself.
-struct SceneRecipe {
-    std::string name;
-    std::string description;
-};
 
 /// The recipes, in the order in which they are offered.
 const std::vector<SceneRecipe>& sceneRecipes();

@@ -14,6 +14,7 @@
 #include "server/render/frame_renderer.h"
 #include "server/scene/scene_source.h"
 #include "tests/support/effect_views.h"
+#include "tests/support/places.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +47,7 @@ std::vector<Row> rows() {
     std::vector<Row> all;
     for (const char* own : {"cornell", "glass", "courtyard", "cathedral"}) all.push_back({own, OWN});
     for (const test::EffectView& view : test::effectViews()) all.push_back({view.scene, OWN, view.set});
-    const std::string shared = HELIOGRAPH_SHARED_SCENES;
+    const std::string shared = sharedScenes().string();
     for (const char* path :
          {"glass/GlassPack.obj", "sponza-dabrovic/sponza.obj", "sibenik/sibenik.obj", "gltf/DamagedHelmet", "gltf/Duck",
           "gltf/AlphaBlendModeTest", "gltf/AttenuationTest", "gltf/bio_15_transmission", "gltf/bio_01_alpha_mask",

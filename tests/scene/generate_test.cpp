@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/render/camera.h"
+#include "tests/support/places.h"
 
 #include <gtest/gtest.h>
 
@@ -310,7 +311,7 @@ TEST_P(GeneratedScene, KeepsItsCamerasAndPathsClearOfEverything) {
 }
 
 TEST_P(GeneratedScene, IsDescribedAsItIs) {
-    std::ifstream file(HELIOGRAPH_SOURCE_DIR "/scenes/README.md");
+    std::ifstream file(sourceFolder() / "scenes/README.md");
     std::string line, rows;
     while (std::getline(file, line))
         if (line.starts_with("| `" + GetParam() + "`")) rows += line + "\n";

@@ -3,6 +3,7 @@
 
 #include "server/base/error.h"
 #include "server/scene/scene_source.h"
+#include "tests/support/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-const fs::path SHARED = HELIOGRAPH_SHARED_SCENES;
+const fs::path SHARED = sharedScenes();
 
 #define NEEDS_SHARED_SCENES()                                                  \
     if (!fs::exists(SHARED)) {                                                 \

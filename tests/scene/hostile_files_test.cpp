@@ -4,6 +4,7 @@
 #include "server/base/error.h"
 #include "server/scene/scene_source.h"
 #include "tests/scene/scene_files.h"
+#include "tests/support/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +20,7 @@ namespace {
 
 using namespace testing_files;
 
-const fs::path INVALID = fs::path(HELIOGRAPH_SHARED_SCENES) / "invalid";
+const fs::path INVALID = sharedScenes() / "invalid";
 constexpr double MOST_SECONDS = 5.0;  // of processor time
 constexpr long MOST_MEBIBYTES = 1024;
 

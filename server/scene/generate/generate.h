@@ -4,12 +4,17 @@
 // (geometry) and noise, surfaces and sky (images). scenes/README.md describes each scene.
 
 #include "server/scene/scene_builder.h"
-#include "server/scene/scene_source.h"
 
 #include <string>
 #include <vector>
 
 namespace heliograph {
+
+/// A scene that the program can make by itself.
+struct SceneRecipe {
+    std::string name;
+    std::string description;
+};
 
 /// Names and descriptions, in the order in which they are offered. The first is what a newcomer sees.
 const std::vector<SceneRecipe>& generatedRecipes();

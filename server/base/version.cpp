@@ -1,0 +1,7 @@
+#include "server/base/version.h"
+
+namespace heliograph {
+
+const char* programVersion() { return HELIOGRAPH_VERSION; }
+
+}  // namespace heliograph
