@@ -1,7 +1,7 @@
 #pragma once
 // The film itself as OpenEXR: linear radiance, three 32-bit floats a pixel, nothing clipped, exposed or curved.
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <vector>
 

@@ -3,7 +3,7 @@
 // exact value (0.5 of it is the rounding) and is the same on every machine.
 
 #include "server/encode/encoder.h"
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <array>
 #include <memory>

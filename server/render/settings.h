@@ -1,7 +1,7 @@
 #pragma once
 // What a viewer or a command can set. Fields, JSON names, ranges and help all come from settings_table.glsl.
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 // A region of the picture with a range of samples, and what a device made of it.
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <array>
 #include <span>

@@ -2,7 +2,7 @@
 // A scene: immutable, shared by all devices, flat arrays in the kernel's layout (shaders/kernel/types.glsl). Made by
 // SceneBuilder only. Y is up; lengths are the file's own units, taken as metres.
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <cstdint>
 #include <memory>

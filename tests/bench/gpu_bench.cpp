@@ -23,7 +23,7 @@
 #include "server/encode/png_encoder.h"
 #include "server/render/stats.h"
 #include "server/scene/generate/generate.h"
-#include "shaders/kernel/kernel.h"
+#include "server/kernel/kernel.h"
 
 #include <tbb/parallel_for.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 // The scalar kernel with every effect compiled in, as the kernel's tests call it.
 
-#include "shaders/kernel/kernel.h"
+#include "server/kernel/kernel.h"
 #include "tests/support/random.h"
 
 #include <limits>

@@ -2,11 +2,11 @@
 // tests/image/determinism_test.cpp compares whole tiles on all the instruction sets that the processor has.
 
 #define HELIOGRAPH_KERNEL_NAMESPACE lanes_under_test
-#include "shaders/kernel/kernel_lanes.h"
+#include "server/kernel/kernel_lanes.h"
 #include "tests/kernel/kernel_access.h"
 
 #include "server/render/frame_request.h"
-#include "server/render/kernel_tables.h"
+#include "server/scene/kernel_tables.h"
 #include "server/scene/scene_source.h"
 #include "tests/support/material_zoo.h"
 

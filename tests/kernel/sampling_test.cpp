@@ -1,6 +1,6 @@
 #include "tests/kernel/kernel_access.h"
 
-#include "server/render/kernel_tables.h"
+#include "server/scene/kernel_tables.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // Random inputs of tests: a fixed seed gives the same numbers everywhere. PCG32 (M. O'Neill, "PCG: A Family of Simple Fast
 // Space-Efficient Statistically Good Algorithms for Random Number Generation", 2014).
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "server/device/embree/embree_scene.h"
 
-#include "shaders/kernel/kernel.h"
+#include "server/kernel/kernel.h"
 
 #include <stdexcept>
 

@@ -4,7 +4,7 @@
 
 #include "server/base/progress.h"
 #include "server/device/embree/ray_packet.h"
-#include "server/render/kernel_tables.h"
+#include "server/scene/kernel_tables.h"
 
 #include <memory>
 

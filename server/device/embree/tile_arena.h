@@ -3,7 +3,7 @@
 // paths on stacks. Allocated once, reused for every tile. Part of the tile programs: no shared inline code.
 
 #include "server/device/embree/tile_job.h"
-#include "shaders/kernel/kernel_lanes.h"
+#include "server/kernel/kernel_lanes.h"
 
 #include <cstdlib>
 #include <cstring>

@@ -4,7 +4,7 @@
 
 #include "server/device/embree/ray_packet.h"
 #include "server/render/tile.h"
-#include "shaders/kernel/scene_view.h"
+#include "server/kernel/scene_view.h"
 
 namespace heliograph {
 

@@ -1,6 +1,6 @@
 #include "server/device/embree/embree_scene.h"
 #include "server/device/embree/tile_job.h"
-#include "shaders/kernel/kernel.h"
+#include "server/kernel/kernel.h"
 
 namespace heliograph {
 

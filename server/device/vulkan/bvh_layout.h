@@ -1,7 +1,7 @@
 #pragma once
 // Trees as shaders/kernel/bvh.glsl reads them.
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <memory>
 #include <vector>

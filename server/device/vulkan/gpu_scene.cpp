@@ -2,7 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/device/vulkan/bvh_builder.h"
-#include "server/render/kernel_tables.h"
+#include "server/scene/kernel_tables.h"
 
 #include <chrono>
 

@@ -4,7 +4,7 @@
 #include "server/device/vulkan/raster_pipelines.h"
 #include "server/device/vulkan/raster_target.h"
 #include "server/render/frame_request.h"
-#include "server/render/kernel_tables.h"
+#include "server/scene/kernel_tables.h"
 
 #include <algorithm>
 #include <chrono>

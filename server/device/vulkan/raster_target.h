@@ -3,7 +3,7 @@
 
 #include "server/device/vulkan/gpu.h"
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 namespace heliograph {
 

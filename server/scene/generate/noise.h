@@ -1,7 +1,7 @@
 #pragma once
 // Random numbers and noise for generated scenes: the same on every machine, and periodic, so that images tile.
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 namespace heliograph::generate {
 

@@ -1,4 +1,4 @@
-#include "server/render/kernel_tables.h"
+#include "server/scene/kernel_tables.h"
 
 namespace heliograph {
 

@@ -22,8 +22,8 @@ using glm::vec3;
 using glm::vec4;
 
 #define UINT_CONSTANT(name, value) constexpr uint name = value;
-#include "compat.glsl"
-#include "types.glsl"
+#include "shaders/kernel/compat.glsl"
+#include "shaders/kernel/types.glsl"
 #undef UINT_CONSTANT
 
 static_assert(sizeof(VertexAttributes) == 32 && offsetof(VertexAttributes, color) == 28);

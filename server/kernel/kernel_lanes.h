@@ -3,9 +3,9 @@
 // lane. Each lane computes bit for bit what the scalar kernel computes. Compiled once per instruction set, each in its own
 // namespace HELIOGRAPH_KERNEL_NAMESPACE.
 
-#include "shaders/kernel/scene_view.h"
+#include "server/kernel/scene_view.h"
 
-#include "shaders/kernel/lanes.h"
+#include "server/kernel/lanes.h"
 
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
 #define IN(T) const T&
@@ -55,7 +55,7 @@ struct Kernel {
     SceneView scene;
     FrameConstants frame;
 
-#include "kernel_files.inc"
+#include "shaders/kernel/kernel_files.inc"
 };
 
 #undef float
@@ -72,4 +72,4 @@ struct Kernel {
 
 }  // namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE
 
-#include "kernel_undefine.inc"
+#include "server/kernel/kernel_undefine.inc"

@@ -1,7 +1,7 @@
 #pragma once
 // What the kernel reads: pointers to a scene's arrays and to the kernel's tables. Nothing is owned.
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 namespace heliograph {
 

@@ -2,7 +2,7 @@
 // Tables that every device hands to the kernel, computed once on the host.
 
 #include "server/scene/scene.h"
-#include "shaders/kernel/scene_view.h"
+#include "server/kernel/scene_view.h"
 
 namespace heliograph {
 

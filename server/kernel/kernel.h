@@ -2,7 +2,7 @@
 // The kernel as scalar C++: the files that glslang compiles, inside a struct whose members stand in for the GPU's buffers.
 // The template parameter is the set of EFFECT_* bits that the code can do; frame.effects, a subset, says what is on.
 
-#include "shaders/kernel/scene_view.h"
+#include "server/kernel/scene_view.h"
 
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
 #define IN(T) const T&
@@ -48,9 +48,9 @@ struct Kernel {
     SceneView scene;
     FrameConstants frame;
 
-#include "kernel_files.inc"
+#include "shaders/kernel/kernel_files.inc"
 };
 
 }  // namespace heliograph::scalar_kernel
 
-#include "kernel_undefine.inc"
+#include "server/kernel/kernel_undefine.inc"

@@ -3,7 +3,7 @@
 // at once (AVX-512, AVX2, SSE4). Built on the compiler's vector extensions; each lane computes exactly what the scalar
 // kernel computes. A Bool has no conversion to bool: a branch on lanes must say ANY(), and choose values by SELECT().
 
-#include "shaders/kernel/kernel_types.h"
+#include "server/kernel/kernel_types.h"
 
 #include <immintrin.h>
 
