@@ -15,7 +15,7 @@ using glm::abs;
 using glm::max;
 using glm::min;
 struct TriangleTest {
-#include "shaders/kernel/ray_triangle.glsl"
+#include "shaders/vulkan/ray_triangle.glsl"
 };
 #undef SELECT
 

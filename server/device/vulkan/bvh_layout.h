@@ -1,5 +1,5 @@
 #pragma once
-// Trees as shaders/kernel/bvh.glsl reads them.
+// Trees as shaders/vulkan/bvh.glsl reads them.
 
 #include "server/kernel/kernel_types.h"
 

@@ -8,7 +8,7 @@
 
 namespace heliograph {
 
-/// Bindings of shaders/kernel/buffers.glsl, device.glsl and trace.comp.
+/// Bindings of shaders/vulkan/buffers.glsl, device.glsl and trace.comp.
 namespace binding {
 constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIANGLES = 4, MESHES = 5, INSTANCES = 6, MATERIALS = 7,
                    TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13, SOBOL = 14,

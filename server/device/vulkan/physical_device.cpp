@@ -6,7 +6,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr uint32_t STORAGE_BUFFERS = 22;  // bindings of shaders/trace.comp
+constexpr uint32_t STORAGE_BUFFERS = 22;  // bindings of shaders/vulkan/trace.comp
 
 std::string typeWord(VkPhysicalDeviceType type) {
     switch (type) {

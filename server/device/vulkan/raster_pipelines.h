@@ -8,7 +8,7 @@
 
 namespace heliograph {
 
-/// Push constants of shaders/raster.glsl.
+/// Push constants of shaders/raster/raster.glsl.
 struct RasterConstants {
     vec2 jitter;
     uint32_t view;

@@ -1,7 +1,7 @@
 #version 460
 // The kernel's surface and shading at the point a pixel sees, lit without rays; or a view for looking into meshes.
 #extension GL_GOOGLE_include_directive : require
-#include "raster.glsl"
+#include "raster/raster.glsl"
 
 layout(location = 0) flat in uvec2 instanceAndPrimitive;
 layout(location = 0) out vec4 color;

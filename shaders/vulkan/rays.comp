@@ -8,7 +8,7 @@ layout(constant_id = 1) const uint MODE = 0u;  // TRACE_CLOSEST or TRACE_ANY
 layout(constant_id = 2) const uint BVH_STACK = 64u;
 const uint VARIETIES = 0xffffffffu;
 
-#include "device.glsl"
+#include "vulkan/device.glsl"
 
 layout(std430, set = 0, binding = 17) readonly buffer RayBuffer { vec4 rays[]; };  // origin, tMax; direction, unused
 layout(std430, set = 0, binding = 18) writeonly buffer HitBuffer { uvec4 hits[]; };  // instance, primitive, FOUND_*, 0

@@ -6,7 +6,7 @@ layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 #define HAS(effect) ((EFFECTS & (effect)) != 0u)
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"
-#include "kernel/buffers.glsl"
+#include "vulkan/buffers.glsl"
 #include "kernel/kernel_files.inc"
 
 layout(std430, set = 0, binding = 20) writeonly buffer Output { vec4 results[]; };

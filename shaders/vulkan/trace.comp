@@ -13,7 +13,7 @@ layout(constant_id = 4) const bool WIDE = false;           // serves requests wi
 layout(constant_id = 5) const bool SINGLE = false;         // paths end at their first surface; those that would go on are counted
 #define ASKED(effect) (!WIDE || (FRAME.effects & (effect)) != 0u)
 
-#include "device.glsl"
+#include "vulkan/device.glsl"
 
 struct TraceTile {
     uvec2 origin;      // pixels

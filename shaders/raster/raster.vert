@@ -1,7 +1,7 @@
 #version 460
 // Corners of an instance's triangles, fetched from the scene's arrays; no vertex input.
 #extension GL_GOOGLE_include_directive : require
-#include "raster.glsl"
+#include "raster/raster.glsl"
 
 layout(location = 0) flat out uvec2 instanceAndPrimitive;
 

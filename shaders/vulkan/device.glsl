@@ -20,7 +20,7 @@
 #endif
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"
-#include "kernel/buffers.glsl"
+#include "vulkan/buffers.glsl"
 
 // Sums in C++'s order on every device; the built-in functions leave it open.
 float exactDot(vec3 a, vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -43,11 +43,11 @@ layout(set = 0, binding = 16) uniform usamplerBuffer bvhTriangles;
 #endif
 
 #include "kernel/kernel_files.inc"
-#include "kernel/ray_triangle.glsl"
+#include "vulkan/ray_triangle.glsl"
 
 #ifndef BVH_HOLE
 #define BVH_HOLE(hit) isCutOut(surfaceAt(origin, direction, 0.0f, 0.0f, hit))
 #endif
-#include "kernel/bvh.glsl"
+#include "vulkan/bvh.glsl"
 
 #endif

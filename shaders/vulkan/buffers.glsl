@@ -10,7 +10,7 @@ layout(std140, set = 0, binding = 13) uniform EnvironmentBlock { Environment env
 #define ENVIRONMENT environmentData
 
 #ifdef FETCH_ARRAYS
-#include "fetch.glsl"
+#include "vulkan/fetch.glsl"
 #else
 
 layout(std430, set = 0, binding = 1) readonly buffer PositionBuffer { vec4 positions[]; };
