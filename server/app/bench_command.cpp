@@ -10,7 +10,7 @@
 #include "server/lab/frame_bench.h"
 #include "server/lab/hybrid_bench.h"
 #include "server/lab/schedule_bench.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <cstdio>
 #include <iostream>

@@ -8,7 +8,7 @@
 #include "server/base/text.h"
 #include "server/lab/effect_bench.h"
 #include "server/render/frame_renderer.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -4,7 +4,7 @@
 #include "server/base/clock.h"
 #include "server/base/text.h"
 #include "server/render/effect_set.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -13,7 +13,7 @@
 #include "server/render/frame_history.h"
 #include "server/render/frame_renderer.h"
 #include "server/render/stats.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <iostream>
 #include <memory>

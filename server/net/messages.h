@@ -6,7 +6,7 @@
 #include "server/render/partition.h"
 #include "server/render/path_run.h"
 #include "server/render/tile.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <map>
 

@@ -1,7 +1,7 @@
 #pragma once
 // The benchmark's scene: 28 fluted columns under a barrel vault, 34 spheres between them, a ground; 907,000 triangles.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 namespace heliograph {
 

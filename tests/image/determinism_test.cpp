@@ -4,7 +4,7 @@
 
 #include "server/device/embree/embree_scene.h"
 #include "server/device/embree/tile_programs.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/support/material_zoo.h"
 
 #include <gtest/gtest.h>

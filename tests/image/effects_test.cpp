@@ -3,7 +3,7 @@
 #include "tests/image/picture.h"
 
 #include "server/render/effect_pair.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "tests/image/picture.h"
 
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/encode/png_encoder.h"
 #include "server/render/frame_renderer.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/support/effect_views.h"
 #include "tests/support/places.h"
 

@@ -2,7 +2,7 @@
 
 #include "tests/image/picture.h"
 
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/support/material_zoo.h"
 
 #include <glm/gtc/matrix_transform.hpp>

@@ -1,7 +1,7 @@
 #include "tests/kernel/kernel_access.h"
 
 #include "server/scene/kernel_tables.h"
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 #include <gtest/gtest.h>
 

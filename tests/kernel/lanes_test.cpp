@@ -7,7 +7,7 @@
 
 #include "server/render/frame_request.h"
 #include "server/scene/kernel_tables.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/support/material_zoo.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "tests/kernel/kernel_access.h"
 
-#include "server/scene/image_pyramid.h"
+#include "server/scene/build/image_pyramid.h"
 
 #include <gtest/gtest.h>
 

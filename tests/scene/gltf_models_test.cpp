@@ -2,7 +2,7 @@
 // reason.
 
 #include "server/base/error.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/support/places.h"
 
 #include <gmock/gmock.h>

@@ -2,7 +2,7 @@
 // long.
 
 #include "server/base/error.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/scene/scene_files.h"
 #include "tests/support/places.h"
 

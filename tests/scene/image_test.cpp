@@ -1,5 +1,5 @@
-#include "server/scene/image_pyramid.h"
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/image_pyramid.h"
+#include "server/scene/build/scene_builder.h"
 
 #include <gtest/gtest.h>
 

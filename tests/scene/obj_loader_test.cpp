@@ -1,5 +1,5 @@
 #include "server/base/error.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/scene/scene_files.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gmock/gmock.h>

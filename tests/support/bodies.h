@@ -1,7 +1,7 @@
 #pragma once
 // Bodies of tests: wound counter-clockwise seen from outside, with the normals of the true shape.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 namespace heliograph::test {
 

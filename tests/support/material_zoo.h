@@ -1,7 +1,7 @@
 #pragma once
 // A scene with a body of every kind of material, baked and placed, under every kind of light.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 namespace heliograph::test {
 

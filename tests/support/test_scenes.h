@@ -1,7 +1,7 @@
 #pragma once
 // Small scenes for tests, made through SceneBuilder like all others.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 #include <functional>
 

@@ -1,7 +1,7 @@
 #include "server/render/pick.h"
 
-#include "server/scene/scene_builder.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/build/scene_builder.h"
+#include "server/scene/load/scene_source.h"
 
 #include <gtest/gtest.h>
 

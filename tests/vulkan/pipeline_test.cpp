@@ -4,7 +4,7 @@
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/render/cell_reach.h"
 #include "server/render/frame_renderer.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 
 #include <gtest/gtest.h>
 

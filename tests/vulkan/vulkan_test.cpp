@@ -9,7 +9,7 @@
 #include "server/base/error.h"
 #include "server/render/frame_renderer.h"
 #include "server/render/device_switch.h"
-#include "server/scene/scene_source.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/support/material_zoo.h"
 #include "tests/support/test_scenes.h"
 

@@ -3,7 +3,7 @@
 // The same name gives the same scene on every run. One source file per scene; shared tools are mesh_writer and shapes
 // (geometry) and noise, surfaces and sky (images). scenes/README.md describes each scene.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 #include <string>
 #include <vector>

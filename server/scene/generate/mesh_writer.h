@@ -3,7 +3,7 @@
 // present material, so that repeated parts are written as plain copies: one mesh, one tree, no second level to
 // traverse.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 

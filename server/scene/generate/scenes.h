@@ -1,7 +1,7 @@
 #pragma once
 // The generated scenes, one source file each.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 namespace heliograph {
 

@@ -2,7 +2,7 @@
 // A lat-long sky painted by formula: gradient from horizon to zenith, a glow about the sun, thin clouds, and ground
 // below.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 namespace heliograph::generate {
 

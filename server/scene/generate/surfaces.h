@@ -1,7 +1,7 @@
 #pragma once
 // Images of building materials, painted by formula: colour and the normal map that belongs to it. All tile.
 
-#include "server/scene/scene_builder.h"
+#include "server/scene/build/scene_builder.h"
 
 #include <functional>
 #include <string>

@@ -1,0 +1,334 @@
+#include "server/scene/build/mesh_assembly.h"
+
+#include "server/base/error.h"
+#include "server/scene/build/transform.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace heliograph {
+
+namespace {
+
+// Float has 24 bits: beyond this ratio of distance to size, baking would leave under 14 bits for the shape.
+constexpr double FARTHEST_BAKED = 1e3;
+// Copies of shared meshes made because an instance has no inverse, in triangles.
+constexpr uint64_t MOST_COPIED_TRIANGLES = uint64_t(1) << 24;
+
+Bounds boundsOf(std::span<const vec3> points, const Placement& placement) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<size_t>(0, points.size(), 8192), Bounds{},
+        [&](const tbb::blocked_range<size_t>& range, Bounds bounds) {
+            for (size_t i = range.begin(); i < range.end(); i++) bounds.grow(vec3(placement.point(points[i])));
+            return bounds;
+        },
+        [](Bounds a, const Bounds& b) {
+            if (!b.empty()) a.grow(b.low), a.grow(b.high);
+            return a;
+        });
+}
+
+bool farFromOrigin(const Bounds& bounds) {
+    const double extent = glm::length(glm::dvec3(bounds.high) - glm::dvec3(bounds.low));
+    return glm::length(glm::dvec3(bounds.center())) > FARTHEST_BAKED * extent;
+}
+
+uint32_t colorWord(vec4 color) {
+    const auto byte = [](float x) { return static_cast<uint32_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255.0f)); };
+    return byte(color.x) | byte(color.y) << 8 | byte(color.z) << 16 | byte(color.w) << 24;
+}
+
+/// One copy of a mesh in the scene's arrays.
+struct Copy {
+    const MeshData* mesh = nullptr;
+    Placement placement;                     // identity where the copy stays in object space
+    uint64_t firstVertex = 0;
+    std::array<uint64_t, 3> triangles{};     // by opacity class
+    std::array<uint64_t, 3> firstTriangle{}; // by opacity class
+};
+
+class Assembler {
+public:
+    Assembler(SceneDraft& draft, const std::vector<uint32_t>& opacity)
+        : draft_(draft), scene_(draft.scene), opacity_(opacity) {}
+
+    void assemble() {
+        choose();
+        layOut();
+        for (const Copy& copy : baked_) write(copy);
+        for (const Copy& copy : shared_) write(copy);
+        placeInstances();
+        report();
+        draft_.meshes = {};
+        draft_.placed = {};
+    }
+
+private:
+    /// Decides for every placed mesh: baked, instance or dropped.
+    void choose() {
+        std::vector<uint32_t> uses(draft_.meshes.size(), 0);
+        for (const PlacedMesh& placed : draft_.placed) uses[placed.mesh]++;
+        sharedIndex_.assign(draft_.meshes.size(), NO_INDEX);
+        uint64_t copiedTriangles = 0;
+        for (const PlacedMesh& placed : draft_.placed) {
+            const MeshData& mesh = draft_.meshes[placed.mesh];
+            if (mesh.indices.empty()) continue;
+            const Placement placement = placementOf(placed.toWorld);
+            if (!placement.finite || placement.collapsed()) {
+                dropped_++;
+                continue;
+            }
+            const Bounds bounds = instanceBounds(mesh, placement, uses[placed.mesh]);
+            if (!(glm::length(glm::dvec3(bounds.low)) + glm::length(glm::dvec3(bounds.high)) < 1e18)) {
+                dropped_++;
+                continue;
+            }
+            bool bake = placement.identity ? uses[placed.mesh] == 1 : uses[placed.mesh] == 1 && !farFromOrigin(bounds);
+            if (!placement.invertible) {
+                if (uses[placed.mesh] > 1) copiedTriangles += mesh.indices.size();
+                if (copiedTriangles > MOST_COPIED_TRIANGLES) {
+                    dropped_++;
+                    continue;
+                }
+                bake = true;
+            }
+            grow(scene_.bounds, bounds);
+            if (bake) {
+                baked_.push_back(copyOf(mesh, placement));
+            } else {
+                if (sharedIndex_[placed.mesh] == NO_INDEX) {
+                    sharedIndex_[placed.mesh] = static_cast<uint32_t>(shared_.size());
+                    shared_.push_back(copyOf(mesh, Placement{}));
+                }
+                instances_.push_back({sharedIndex_[placed.mesh], placement});
+            }
+        }
+    }
+
+    static void grow(Bounds& into, const Bounds& bounds) {
+        if (bounds.empty()) return;
+        into.grow(bounds.low);
+        into.grow(bounds.high);
+    }
+
+    /// Exact, but for crowds of instances: those take the corners of the mesh's own box.
+    Bounds instanceBounds(const MeshData& mesh, const Placement& placement, uint32_t uses) {
+        if (static_cast<uint64_t>(uses) * mesh.positions.size() < uint64_t(1) << 26)
+            return boundsOf(mesh.positions, placement);
+        if (&mesh != boxed_) {
+            boxed_ = &mesh;
+            box_ = boundsOf(mesh.positions, Placement{});
+        }
+        Bounds bounds;
+        for (int i = 0; i < 8; i++) {
+            bounds.grow(vec3(placement.point(vec3(i & 1 ? box_.high.x : box_.low.x, i & 2 ? box_.high.y : box_.low.y,
+                                                  i & 4 ? box_.high.z : box_.low.z))));
+        }
+        return bounds;
+    }
+
+    uint32_t materialOf(const MeshData& mesh, size_t triangle) const {
+        return mesh.materials.empty() ? 0 : mesh.materials[triangle];
+    }
+
+    static bool seeThrough(const MeshData& mesh) {
+        return std::any_of(mesh.colors.begin(), mesh.colors.end(), [](vec4 c) { return c.w < 1.0f; });
+    }
+
+    /// Vertex alpha makes holes in a blended or cut-out material that would be solid by itself.
+    uint32_t classOf(const MeshData& mesh, size_t triangle, bool alphaColors) const {
+        const uint32_t material = materialOf(mesh, triangle), flags = scene_.materials[material].flags;
+        if (alphaColors && (flags & MATERIAL_ALPHA_BLEND) != 0) return OPACITY_TRANSPARENT;
+        if (alphaColors && (flags & MATERIAL_ALPHA_MASK) != 0 && opacity_[material] == OPACITY_OPAQUE) return OPACITY_MASKED;
+        return opacity_[material];
+    }
+
+    Copy copyOf(const MeshData& mesh, const Placement& placement) const {
+        Copy copy;
+        copy.mesh = &mesh;
+        copy.placement = placement;
+        const bool alphaColors = seeThrough(mesh);
+        for (size_t i = 0; i < mesh.indices.size(); i++) copy.triangles[classOf(mesh, i, alphaColors)]++;
+        return copy;
+    }
+
+    /// Gives every copy its place and makes the Mesh entries: first the baked ones, by class, then the shared ones.
+    void layOut() {
+        uint64_t vertices = 0, triangles = 0;
+        for (auto* copies : {&baked_, &shared_}) {
+            for (Copy& copy : *copies) {
+                copy.firstVertex = vertices;
+                vertices += copy.mesh->positions.size();
+                if (!copy.mesh->tangents.empty()) anyTangents_ = true;
+            }
+            if (copies == &baked_) bakedVertices_ = vertices;
+        }
+        for (int c = 0; c < 3; c++) {
+            const uint64_t first = triangles;
+            bool tangents = false;
+            for (Copy& copy : baked_) {
+                copy.firstTriangle[c] = triangles;
+                triangles += copy.triangles[c];
+                tangents |= copy.triangles[c] > 0 && !copy.mesh->tangents.empty();
+            }
+            bakedMesh_[c] = addMesh(first, triangles - first, 0, bakedVertices_, c, tangents);
+        }
+        sharedMesh_.resize(shared_.size());
+        for (size_t i = 0; i < shared_.size(); i++) {
+            Copy& copy = shared_[i];
+            for (int c = 0; c < 3; c++) {
+                copy.firstTriangle[c] = triangles;
+                triangles += copy.triangles[c];
+                sharedMesh_[i][c] = addMesh(copy.firstTriangle[c], copy.triangles[c], copy.firstVertex,
+                                            copy.mesh->positions.size(), c, !copy.mesh->tangents.empty());
+            }
+        }
+        if (triangles > MOST_TRIANGLES || vertices > MOST_VERTICES) {
+            throw InputError(scene_.name,
+                             std::to_string(triangles) + " triangles and " + std::to_string(vertices) + " vertices",
+                             "at most " + std::to_string(MOST_TRIANGLES) + " of each");
+        }
+        scene_.positions.assign(vertices + 1, vec4(0.0f));  // one to spare: Embree reads 16 bytes at the last one
+        scene_.attributes.resize(vertices);
+        if (anyTangents_) scene_.tangents.assign(vertices, vec4(0.0f));
+        scene_.triangles.resize(triangles);
+    }
+
+    uint32_t addMesh(uint64_t firstTriangle, uint64_t count, uint64_t firstVertex, uint64_t vertexCount, int opacity,
+                     bool tangents) {
+        if (count == 0) return NO_INDEX;
+        Mesh mesh{};
+        mesh.firstTriangle = static_cast<uint32_t>(firstTriangle);
+        mesh.triangleCount = static_cast<uint32_t>(count);
+        mesh.firstVertex = static_cast<uint32_t>(firstVertex);
+        mesh.vertexCount = static_cast<uint32_t>(vertexCount);
+        mesh.opacity = static_cast<uint32_t>(opacity);
+        mesh.hasTangents = tangents ? 1 : 0;
+        scene_.meshes.push_back(mesh);
+        return static_cast<uint32_t>(scene_.meshes.size() - 1);
+    }
+
+    void write(const Copy& copy) {
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, copy.mesh->positions.size(), 4096),
+                          [&](const tbb::blocked_range<size_t>& range) {
+                              for (size_t i = range.begin(); i < range.end(); i++) writeVertex(copy, i);
+                          });
+        const MeshData& mesh = *copy.mesh;
+        const bool alphaColors = seeThrough(mesh);
+        const bool flip = copy.placement.determinant < 0.0;
+        std::array<uint64_t, 3> at = copy.firstTriangle;
+        const uint32_t base = static_cast<uint32_t>(copy.firstVertex);
+        for (size_t i = 0; i < mesh.indices.size(); i++) {
+            const uvec3 t = mesh.indices[i] + base;
+            scene_.triangles[at[classOf(mesh, i, alphaColors)]++] =
+                flip ? uvec4(t.x, t.z, t.y, materialOf(mesh, i)) : uvec4(t.x, t.y, t.z, materialOf(mesh, i));
+        }
+        if (!copy.placement.invertible) repairNormals(copy);
+    }
+
+    void writeVertex(const Copy& copy, size_t i) {
+        const MeshData& mesh = *copy.mesh;
+        const Placement& placement = copy.placement;
+        const size_t at = copy.firstVertex + i;
+        scene_.positions[at] =
+            vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), 0.0f);
+        VertexAttributes attributes{};
+        attributes.normal = placement.identity ? mesh.normals[i] : vec3(placement.normal(mesh.normals[i]));
+        if (!mesh.uv0.empty()) attributes.u0 = mesh.uv0[i].x, attributes.v0 = mesh.uv0[i].y;
+        if (!mesh.uv1.empty()) attributes.u1 = mesh.uv1[i].x, attributes.v1 = mesh.uv1[i].y;
+        attributes.color = mesh.colors.empty() ? 0xffffffffu : colorWord(mesh.colors[i]);
+        scene_.attributes[at] = attributes;
+        if (!mesh.tangents.empty()) scene_.tangents[at] = turnedTangent(placement, mesh.tangents[i]);
+    }
+
+    static vec4 turnedTangent(const Placement& placement, vec4 tangent) {
+        const dvec3 turned = placement.linear * dvec3(tangent.x, tangent.y, tangent.z);
+        const double length = glm::length(turned);
+        const float sign = placement.determinant < 0.0 ? -tangent.w : tangent.w;
+        return length > 0.0 ? vec4(vec3(turned / length), sign) : vec4(0.0f, 0.0f, 0.0f, sign);
+    }
+
+    /// A flattening transform can leave a vertex normal of length 0: such a vertex takes the normal of a triangle at
+    /// it.
+    void repairNormals(const Copy& copy) {
+        for (int c = 0; c < 3; c++) {
+            for (uint64_t i = copy.firstTriangle[c]; i < copy.firstTriangle[c] + copy.triangles[c]; i++) {
+                const uvec4 t = scene_.triangles[i];
+                const auto corner = [&](uint32_t v) { return dvec3(vec3(scene_.positions[v])); };
+                dvec3 normal = glm::cross(corner(t.y) - corner(t.x), corner(t.z) - corner(t.x));
+                const double length = glm::length(normal);
+                normal = length > 0.0 ? normal / length : dvec3(0.0, 1.0, 0.0);
+                for (int k = 0; k < 3; k++) {
+                    vec3& own = scene_.attributes[t[k]].normal;
+                    if (own == vec3(0.0f)) own = vec3(normal);
+                }
+            }
+        }
+    }
+
+    void placeInstances() {
+        for (uint32_t mesh : bakedMesh_) {
+            if (mesh != NO_INDEX)
+                scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
+        }
+        for (const auto& [shared, placement] : instances_) {
+            for (uint32_t mesh : sharedMesh_[shared]) {
+                if (mesh == NO_INDEX) continue;
+                scene_.instances.push_back(instanceOf(placement, mesh, scene_.meshes[mesh].firstTriangle));
+            }
+        }
+    }
+
+    void report() {
+        if (dropped_ > 0) {
+            addWarning(draft_, std::to_string(dropped_) +
+                                   " instances were left out: their transform is not finite or leaves no area");
+        }
+        if (!scene_.bounds.empty()) return;
+        addWarning(draft_, "the scene has no triangles");
+        scene_.bounds.low = vec3(-1.0f);
+        scene_.bounds.high = vec3(1.0f);
+    }
+
+    SceneDraft& draft_;
+    Scene& scene_;
+    const std::vector<uint32_t>& opacity_;
+    std::vector<Copy> baked_;
+    std::vector<Copy> shared_;
+    std::vector<uint32_t> sharedIndex_;                       // draft mesh -> shared_
+    std::vector<std::pair<uint32_t, Placement>> instances_;   // index into shared_
+    std::array<uint32_t, 3> bakedMesh_{NO_INDEX, NO_INDEX, NO_INDEX};
+    std::vector<std::array<uint32_t, 3>> sharedMesh_;
+    uint64_t bakedVertices_ = 0;
+    uint64_t dropped_ = 0;
+    bool anyTangents_ = false;
+    const MeshData* boxed_ = nullptr;  // the mesh that box_ belongs to
+    Bounds box_;
+};
+
+}  // namespace
+
+std::vector<uint32_t> opacityClasses(const Scene& scene, const std::vector<bool>& imageHasAlpha) {
+    const auto hasAlpha = [&](uint32_t texture) {
+        return texture != NO_INDEX && imageHasAlpha[scene.textures[texture].image];
+    };
+    std::vector<uint32_t> classes;
+    for (const Material& m : scene.materials) {
+        uint32_t opacity = OPACITY_OPAQUE;
+        const bool partial = m.baseColor.w < 1.0f || hasAlpha(m.baseTexture) || m.opacityTexture != NO_INDEX;
+        if ((m.flags & MATERIAL_ALPHA_MASK) != 0 && (partial || m.alphaCutoff > 1.0f)) opacity = OPACITY_MASKED;
+        if ((m.flags & MATERIAL_ALPHA_BLEND) != 0 && partial) opacity = OPACITY_TRANSPARENT;
+        if (m.transmission > 0.0f) opacity = OPACITY_TRANSPARENT;
+        classes.push_back(opacity);
+    }
+    return classes;
+}
+
+void assembleMeshes(SceneDraft& draft, const std::vector<uint32_t>& opacity) { Assembler(draft, opacity).assemble(); }
+
+}  // namespace heliograph

@@ -1,0 +1,239 @@
+#include "server/scene/build/scene_builder.h"
+
+#include "server/base/error.h"
+#include "server/scene/build/ambient.h"
+#include "server/scene/build/content_hash.h"
+#include "server/scene/build/default_camera.h"
+#include "server/scene/build/image_pyramid.h"
+#include "server/scene/build/mesh_assembly.h"
+#include "server/scene/build/mesh_prepare.h"
+#include "server/scene/build/scene_checks.h"
+#include "server/scene/build/scene_draft.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace heliograph {
+
+struct SceneBuilder::Data : SceneDraft {};
+
+namespace {
+
+constexpr vec3 DEFAULT_SURROUNDINGS{0.24f, 0.27f, 0.33f};  // an overcast sky, radiance
+constexpr float HEADLIGHT_IRRADIANCE = 2.0f;               // white facing the camera comes out at 2 / pi
+constexpr size_t MOST_WARNINGS = 64;
+constexpr size_t LONGEST_WARNING = 300;
+
+bool validImage(const ImageData& image) {
+    const uint64_t texels = static_cast<uint64_t>(image.width) * image.height;
+    if (texels == 0 || image.width > 16384 || image.height > 16384) return false;
+    return image.rgb32f.empty() ? image.rgba8.size() == texels * 4 : image.rgb32f.size() == texels * 3;
+}
+
+std::vector<bool> imagesWithAlpha(const std::vector<ImageData>& images) {
+    std::vector<bool> result;
+    for (const ImageData& image : images) {
+        bool alpha = false;
+        for (size_t i = 3; i < image.rgba8.size() && !alpha; i += 4) alpha = image.rgba8[i] != 255;
+        result.push_back(alpha);
+    }
+    return result;
+}
+
+/// Images whose alpha a material reads: their colours are filtered by alpha.
+std::vector<bool> alphaWeightedImages(const Scene& scene, size_t imageCount) {
+    std::vector<bool> result(imageCount, false);
+    for (const Material& material : scene.materials) {
+        const bool reads = (material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) != 0;
+        if (reads && material.baseTexture != NO_INDEX) result[scene.textures[material.baseTexture].image] = true;
+    }
+    return result;
+}
+
+void prepareMeshes(SceneDraft& draft) {
+    std::vector<MeshReport> reports(draft.meshes.size());
+    tbb::parallel_for(size_t(0), draft.meshes.size(), [&](size_t i) {
+        reports[i] = prepareMesh(draft.meshes[i], draft.scene.materials, draft.scene.textures);
+    });
+    MeshReport sum;
+    for (const MeshReport& report : reports) sum.add(report);
+    const auto warn = [&](uint64_t count, const char* what) {
+        if (count > 0) addWarning(draft, std::to_string(count) + what);
+    };
+    warn(sum.outOfRange, " triangles were dropped: a vertex index is out of range");
+    warn(sum.nonFinite, " triangles were dropped: a vertex is not finite");
+    warn(sum.zeroArea, " triangles have no area");
+    warn(sum.badMaterials, " triangles name a material that does not exist; they take the default");
+    warn(sum.badNormals, " normals were not usable and were computed from the triangles");
+    warn(sum.badArrays, " vertex arrays of the wrong length were ignored");
+}
+
+void buildImages(SceneDraft& draft, const Progress& progress) {
+    Scene& scene = draft.scene;
+    uint64_t texels = 0;
+    for (const ImageData& image : draft.images) texels += pyramidTexels(image.width, image.height);
+    if (texels >= NO_INDEX) {
+        throw InputError(scene.name, std::to_string(texels) + " texels with mip maps", "fewer than 4294967295");
+    }
+    scene.texels.reserve(texels);
+    const std::vector<bool> weighted = alphaWeightedImages(scene, draft.images.size());
+    for (size_t i = 0; i < draft.images.size(); i++) {
+        report(progress, "images", static_cast<double>(i) / draft.images.size());
+        appendPyramid(scene, draft.images[i], weighted[i]);
+    }
+}
+
+void buildEnvironment(SceneDraft& draft) {
+    Environment& environment = draft.scene.environment;
+    environment = Environment{};
+    environment.image = NO_INDEX;
+    environment.intensity = 1.0f;
+    if (draft.environmentImage < draft.images.size()) {
+        environment.image = draft.environmentImage;
+        environment.intensity = draft.environmentIntensity;
+        environment.rotation = draft.environmentRotation;
+        ambientFromImage(environment, draft.images[draft.environmentImage]);
+    } else {
+        ambientFromColor(environment, draft.environmentColor.value_or(DEFAULT_SURROUNDINGS));
+    }
+}
+
+void buildLights(SceneDraft& draft) {
+    checkLights(draft);
+    if (draft.lights.empty()) {
+        Light light{};
+        light.type = LIGHT_HEADLIGHT;
+        light.direction = vec3(0.0f, 0.0f, -1.0f);
+        light.intensity = vec3(HEADLIGHT_IRRADIANCE);
+        draft.lights.push_back(light);
+        addWarning(draft, "no light in the file: a headlight was added");
+    }
+    draft.scene.lights = std::move(draft.lights);
+}
+
+}  // namespace
+
+void addWarning(SceneDraft& draft, const std::string& message) {
+    std::string line = message.substr(0, LONGEST_WARNING);
+    for (char& c : line) {
+        if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+    }
+    std::vector<std::string>& warnings = draft.scene.warnings;
+    if (std::find(warnings.begin(), warnings.end(), line) != warnings.end()) return;
+    if (warnings.size() < MOST_WARNINGS) {
+        warnings.push_back(std::move(line));
+    } else {
+        draft.warningsLeftOut++;
+    }
+}
+
+SceneBuilder::SceneBuilder(std::string name) : data_(std::make_shared<Data>()) {
+    data_->scene.name = std::move(name);
+    addMaterial(defaultMaterial(), "default");
+}
+
+uint32_t SceneBuilder::addMaterial(const Material& material, const std::string& name) {
+    data_->scene.materials.push_back(material);
+    data_->scene.materialNames.push_back(name);
+    return static_cast<uint32_t>(data_->scene.materials.size() - 1);
+}
+
+uint32_t SceneBuilder::addImage(ImageData image) {
+    if (!validImage(image)) {
+        addWarning(*data_, "image '" + image.name + "' is empty or too large: drawn white");
+        image.width = image.height = 1;
+        image.rgb32f.clear();
+        image.rgba8.assign(4, 255);
+    }
+    data_->images.push_back(std::move(image));
+    return static_cast<uint32_t>(data_->images.size() - 1);
+}
+
+uint32_t SceneBuilder::addTexture(const TextureSlot& slot) {
+    if (slot.image >= data_->images.size())
+        throw std::logic_error("texture of image " + std::to_string(slot.image) + " of " +
+                               std::to_string(data_->images.size()));
+    data_->scene.textures.push_back(slot);
+    return static_cast<uint32_t>(data_->scene.textures.size() - 1);
+}
+
+uint32_t SceneBuilder::addMesh(MeshData mesh) {
+    data_->meshes.push_back(std::move(mesh));
+    return static_cast<uint32_t>(data_->meshes.size() - 1);
+}
+
+void SceneBuilder::addInstance(uint32_t mesh, const mat4& toWorld) {
+    if (mesh >= data_->meshes.size())
+        throw std::logic_error("instance of mesh " + std::to_string(mesh) + " of " +
+                               std::to_string(data_->meshes.size()));
+    data_->placed.push_back({mesh, toWorld});
+}
+
+void SceneBuilder::addLight(const Light& light) { data_->lights.push_back(light); }
+void SceneBuilder::addCamera(const NamedCamera& camera) { data_->scene.cameras.push_back(camera); }
+void SceneBuilder::addPath(const CameraPath& path) { data_->scene.paths.push_back(path); }
+void SceneBuilder::setEnvironmentColor(vec3 radiance) { data_->environmentColor = radiance; }
+
+void SceneBuilder::setEnvironmentImage(uint32_t image, float intensity, float rotation) {
+    data_->environmentImage = image;
+    data_->environmentIntensity = intensity;
+    data_->environmentRotation = rotation;
+}
+
+void SceneBuilder::setAoRadius(float metres) { data_->aoRadius = metres; }
+void SceneBuilder::setExposure(float ev) { data_->scene.exposure = ev; }
+void SceneBuilder::setAtRest(AtRest atRest) { data_->scene.atRest = std::move(atRest); }
+void SceneBuilder::warn(const std::string& message) { addWarning(*data_, message); }
+
+std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
+    const std::shared_ptr<Data> data = std::move(data_);
+    SceneDraft& draft = *data;
+    Scene& scene = draft.scene;
+    data_ = std::make_shared<Data>();
+    addMaterial(defaultMaterial(), "default");
+
+    report(progress, "geometry", 0.0);
+    checkMaterials(draft);
+    prepareMeshes(draft);
+    report(progress, "geometry", 0.6);
+    assembleMeshes(draft, opacityClasses(scene, imagesWithAlpha(draft.images)));
+    report(progress, "geometry", 1.0);
+    buildEnvironment(draft);
+    buildImages(draft, progress);
+    report(progress, "images", 1.0);
+    buildLights(draft);
+    checkCameras(draft);
+    if (scene.cameras.empty()) scene.cameras.push_back(defaultCamera(scene));
+    scene.aoRadius = draft.aoRadius.value_or(0.1f * scene.bounds.radius());
+    if (!(scene.aoRadius > 0.0f)) scene.aoRadius = 0.1f;
+    if (draft.warningsLeftOut > 0)
+        scene.warnings.push_back("and " + std::to_string(draft.warningsLeftOut) + " more warnings");
+    scene.contentHash = contentHashOf(scene);
+    return std::make_shared<const Scene>(std::move(scene));
+}
+
+Material SceneBuilder::defaultMaterial() {
+    Material material{};
+    material.baseColor = vec4(1.0f);
+    material.specular = vec4(1.0f, 1.0f, 1.0f, 0.0f);
+    material.transmissionTint = vec4(1.0f, 1.0f, 1.0f, 0.0f);
+    material.roughness = 1.0f;
+    material.ior = 1.5f;
+    material.alphaCutoff = 0.5f;
+    material.normalScale = 1.0f;
+    material.baseTexture = material.metallicRoughnessTexture = material.normalTexture = NO_INDEX;
+    material.emissionTexture = material.opacityTexture = NO_INDEX;
+    material.transmissionTexture = material.specularTexture = NO_INDEX;
+    return material;
+}
+
+TextureSlot SceneBuilder::defaultTexture(uint32_t image) {
+    TextureSlot slot{};
+    slot.transform = vec4(1.0f, 0.0f, 0.0f, 1.0f);
+    slot.image = image;
+    return slot;
+}
+
+}  // namespace heliograph

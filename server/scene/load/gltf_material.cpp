@@ -1,0 +1,159 @@
+#include "server/scene/load/gltf_material.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace heliograph {
+
+namespace {
+
+constexpr float DARKEST_ATTENUATION = 1e-6f;  // ln of it is finite
+
+vec4 vec4Of(const std::vector<double>& v) { return vec4(float(v[0]), float(v[1]), float(v[2]), float(v[3])); }
+
+float largest(vec3 v) { return std::max({v.x, v.y, v.z}); }
+
+/// Converts one material; run twice, see GltfTextures.
+class MaterialConverter {
+public:
+    MaterialConverter(const tinygltf::Material& from, GltfTextures& textures, SceneBuilder& builder, bool warn)
+        : from_(from), textures_(textures), builder_(builder), warn_(warn) {}
+
+    Material convert() {
+        setBase();
+        setAlpha();
+        setEmission();
+        // The order matters: specular-glossiness replaces the base that the others build on.
+        onExtension("KHR_materials_pbrSpecularGlossiness",
+                    [this](const tinygltf::Value& e) { setSpecularGlossiness(e); });
+        onExtension("KHR_materials_specular", [this](const tinygltf::Value& e) { setSpecular(e); });
+        onExtension("KHR_materials_ior",
+                    [this](const tinygltf::Value& e) { to_.ior = float(numberOf(e, "ior", 1.5)); });
+        onExtension("KHR_materials_transmission", [this](const tinygltf::Value& e) { setTransmission(e); });
+        onExtension("KHR_materials_volume", [this](const tinygltf::Value& e) { setVolume(e); });
+        onExtension("KHR_materials_unlit", [this](const tinygltf::Value&) { to_.flags |= MATERIAL_UNLIT; });
+        return to_;
+    }
+
+private:
+    template <typename Action>
+    void onExtension(const char* name, const Action& action) {
+        const auto found = from_.extensions.find(name);
+        if (found != from_.extensions.end()) action(found->second);
+    }
+
+    void warn(const std::string& text) {
+        if (warn_) builder_.warn("material '" + from_.name + "': " + text);
+    }
+
+    void setBase() {
+        const tinygltf::PbrMetallicRoughness& pbr = from_.pbrMetallicRoughness;
+        if (pbr.baseColorFactor.size() == 4) to_.baseColor = vec4Of(pbr.baseColorFactor);
+        to_.metallic = static_cast<float>(pbr.metallicFactor);
+        to_.roughness = static_cast<float>(pbr.roughnessFactor);
+        to_.baseTexture = textures_.slot(TextureUse(pbr.baseColorTexture), true);
+        to_.metallicRoughnessTexture = textures_.slot(TextureUse(pbr.metallicRoughnessTexture), false);
+        to_.normalTexture = textures_.slot(TextureUse(from_.normalTexture), false);
+        to_.normalScale = static_cast<float>(from_.normalTexture.scale);
+        // occlusionTexture is left out on purpose: occlusion is traced.
+    }
+
+    void setAlpha() {
+        to_.alphaCutoff = static_cast<float>(from_.alphaCutoff);
+        if (from_.alphaMode == "MASK") {
+            to_.flags |= MATERIAL_ALPHA_MASK;
+        } else if (from_.alphaMode == "BLEND") {
+            to_.flags |= MATERIAL_ALPHA_BLEND;
+        } else {
+            if (from_.alphaMode != "OPAQUE")
+                warn("alphaMode '" + from_.alphaMode.substr(0, 40) + "' is unknown: drawn opaque");
+            to_.baseColor.w = 1.0f;
+        }
+    }
+
+    void setEmission() {
+        double strength = 1.0;
+        onExtension("KHR_materials_emissive_strength",
+                    [&](const tinygltf::Value& e) { strength = numberOf(e, "emissiveStrength", 1.0); });
+        for (int i = 0; i < 3 && from_.emissiveFactor.size() == 3; i++)
+            to_.emission[i] = static_cast<float>(from_.emissiveFactor[static_cast<size_t>(i)] * strength);
+        to_.emissionTexture = textures_.slot(TextureUse(from_.emissiveTexture), true);
+    }
+
+    /// The archived model: diffuse and specular colours are given apart. The specular colour becomes the tint of a
+    /// dielectric's reflection, which at ior 1.5 reflects 4 percent.
+    void setSpecularGlossiness(const tinygltf::Value& e) {
+        warn("specular-glossiness is drawn as metallic-roughness");
+        const vec3 specular = colorOf(e, "specularFactor", vec3(1.0f));
+        vec4 diffuse(1.0f);
+        if (e.Has("diffuseFactor") && e.Get("diffuseFactor").ArrayLen() == 4) {
+            for (int i = 0; i < 4; i++)
+                diffuse[i] = static_cast<float>(e.Get("diffuseFactor").Get(i).GetNumberAsDouble());
+        }
+        const float kept = 1.0f - std::min(largest(specular), 1.0f);
+        to_.baseColor = vec4(vec3(diffuse) * kept, from_.alphaMode == "OPAQUE" ? 1.0f : diffuse.w);
+        to_.baseTexture = textures_.slot(TextureUse::fromValue(e, "diffuseTexture"), true);
+        to_.metallicRoughnessTexture = NO_INDEX;
+        to_.metallic = 0.0f;
+        to_.roughness = 1.0f - static_cast<float>(numberOf(e, "glossinessFactor", 1.0));
+        to_.specular = vec4(specular / 0.04f, 0.0f);
+        if (e.Has("specularGlossinessTexture")) {
+            warn("its specularGlossinessTexture is not drawn");
+            to_.roughness = std::max(to_.roughness, 0.5f);
+            to_.specular = vec4(1.0f, 1.0f, 1.0f, 0.0f);
+            to_.baseColor = diffuse;
+        }
+    }
+
+    void setSpecular(const tinygltf::Value& e) {
+        const vec3 tint = colorOf(e, "specularColorFactor", vec3(1.0f)) * float(numberOf(e, "specularFactor", 1.0));
+        to_.specular = vec4(tint, 0.0f);
+        to_.specularTexture = textures_.slot(TextureUse::fromValue(e, "specularColorTexture"), true);
+        if (e.Has("specularTexture")) warn("specularTexture (strength in alpha) is not drawn");
+    }
+
+    void setTransmission(const tinygltf::Value& e) {
+        to_.transmission = static_cast<float>(numberOf(e, "transmissionFactor", 0.0));
+        to_.transmissionTexture = textures_.slot(TextureUse::fromValue(e, "transmissionTexture"), false);
+    }
+
+    /// Beer-Lambert: what remains of light after attenuationDistance has attenuationColor (KHR_materials_volume).
+    void setVolume(const tinygltf::Value& e) {
+        if (!(numberOf(e, "thicknessFactor", 0.0) > 0.0)) return;
+        to_.flags |= MATERIAL_VOLUME;
+        const double distance = numberOf(e, "attenuationDistance", 0.0);  // missing: infinite
+        if (!(distance > 0.0) || !std::isfinite(distance)) return;
+        const vec3 color = colorOf(e, "attenuationColor", vec3(1.0f));
+        for (int i = 0; i < 3; i++) {
+            const double share = std::clamp(color[i], DARKEST_ATTENUATION, 1.0f);
+            to_.absorption[i] = static_cast<float>(-std::log(share) / distance);
+        }
+    }
+
+    const tinygltf::Material& from_;
+    GltfTextures& textures_;
+    SceneBuilder& builder_;
+    bool warn_;
+    Material to_ = SceneBuilder::defaultMaterial();
+};
+
+}  // namespace
+
+std::vector<uint32_t> addGltfMaterials(const GltfDocument& document, SceneBuilder& builder, const Progress& progress) {
+    GltfTextures textures(document, builder);
+    for (const tinygltf::Material& material : document.model.materials)
+        MaterialConverter(material, textures, builder, false).convert();
+    textures.load(progress);
+    std::vector<uint32_t> indices;
+    for (size_t i = 0; i < document.model.materials.size(); i++) {
+        const tinygltf::Material& material = document.model.materials[i];
+        const std::string name = material.name.empty() ? "material " + std::to_string(i) : material.name;
+        indices.push_back(builder.addMaterial(MaterialConverter(material, textures, builder, true).convert(), name));
+    }
+    Material plain = SceneBuilder::defaultMaterial();
+    plain.metallic = 1.0f;
+    indices.push_back(builder.addMaterial(plain, "glTF default"));
+    return indices;
+}
+
+}  // namespace heliograph
