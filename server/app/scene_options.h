@@ -1,8 +1,8 @@
 #pragma once
 // What the commands render, inspect and bench have in common on their command line, and what it means.
 
-#include "server/render/camera.h"
-#include "server/render/settings.h"
+#include "server/request/camera.h"
+#include "server/request/settings.h"
 #include "server/scene/scene.h"
 
 #include <CLI/CLI.hpp>

@@ -4,7 +4,7 @@
 // pair, so that a busy machine slows both alike.
 
 #include "server/lab/device_bench.h"
-#include "server/render/effect_pair.h"
+#include "server/request/effect_pair.h"
 
 namespace heliograph {
 

@@ -2,7 +2,7 @@
 // What a device's bare tracing costs: the same rays as a frame's, already made, packed as its library likes them best,
 // nothing shaded. The yardstick for everything that a renderer adds.
 
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 #include "server/net/messages.h"
 
-#include "server/render/effect_set.h"
+#include "server/request/effect_set.h"
 #include "server/base/version.h"
 
 #include <algorithm>

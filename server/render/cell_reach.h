@@ -3,7 +3,7 @@
 // (mirrors, glass, blended surfaces). Devices use it to choose a cheaper program for the former. It is a guess about samples
 // to come, never a promise: a sample may meet what none met before, and a device has to notice that.
 
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 #include "server/render/tile.h"
 
 #include <atomic>

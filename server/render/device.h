@@ -2,7 +2,7 @@
 // A renderer of tiles. Every kind of worker is one: a CPU, a GPU, a node far away.
 
 #include "server/base/progress.h"
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 #include "server/render/tile.h"
 
 #include <functional>

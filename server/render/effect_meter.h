@@ -2,7 +2,7 @@
 // What each effect costs in a viewer's view, measured on demand beside the viewer's own frames. Its frames take turns on the
 // device like those of any viewer (turns.h), so nobody waits longer than for one viewer more; only time within turns counts.
 
-#include "server/render/effect_pair.h"
+#include "server/request/effect_pair.h"
 #include "server/render/frame_loop.h"
 
 namespace heliograph {

@@ -10,7 +10,7 @@
 #include "server/render/partition.h"
 #include "server/render/path_run.h"
 #include "server/render/turns.h"
-#include "server/render/view_request.h"
+#include "server/request/view_request.h"
 
 #include <condition_variable>
 #include <map>

@@ -1,7 +1,7 @@
 #pragma once
 // A flight along a camera path in real time, and how smooth it was.
 
-#include "server/render/camera.h"
+#include "server/request/camera.h"
 #include "server/render/stats.h"
 
 #include <optional>

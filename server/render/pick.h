@@ -1,7 +1,7 @@
 #pragma once
 // What lies under a pixel: how far ahead the camera would have to focus on it.
 
-#include "server/render/camera.h"
+#include "server/request/camera.h"
 
 #include <optional>
 

@@ -2,7 +2,7 @@
 
 #include "tests/image/picture.h"
 
-#include "server/render/effect_pair.h"
+#include "server/request/effect_pair.h"
 #include "server/scene/load/scene_source.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "tests/kernel/kernel_access.h"
 
-#include "server/render/camera.h"
+#include "server/request/camera.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include "server/kernel/kernel_lanes.h"
 #include "tests/kernel/kernel_access.h"
 
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 #include "server/scene/kernel_tables.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/support/material_zoo.h"

@@ -1,7 +1,7 @@
 #include "server/scene/generate/generate.h"
 
 #include "server/base/error.h"
-#include "server/render/camera.h"
+#include "server/request/camera.h"
 #include "tests/support/places.h"
 
 #include <gtest/gtest.h>

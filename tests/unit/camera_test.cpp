@@ -1,7 +1,7 @@
-#include "server/render/camera.h"
+#include "server/request/camera.h"
 
 #include "server/base/error.h"
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 #include "tests/support/test_scenes.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "server/render/effect_pair.h"
+#include "server/request/effect_pair.h"
 
 #include "tests/support/test_scenes.h"
 

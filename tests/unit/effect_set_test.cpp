@@ -1,4 +1,4 @@
-#include "server/render/effect_set.h"
+#include "server/request/effect_set.h"
 
 #include "tests/support/test_scenes.h"
 

@@ -1,4 +1,4 @@
-#include "server/render/settings.h"
+#include "server/request/settings.h"
 
 #include "server/base/error.h"
 

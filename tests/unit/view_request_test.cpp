@@ -1,4 +1,4 @@
-#include "server/render/view_request.h"
+#include "server/request/view_request.h"
 
 #include <gtest/gtest.h>
 

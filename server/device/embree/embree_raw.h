@@ -2,7 +2,7 @@
 // Bare Embree: the rays of a frame, made beforehand, loaded into packets, traced and counted. Nothing is shaded.
 
 #include "server/device/embree/ray_packet.h"
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 #include "server/render/tile.h"
 
 #include <memory>

@@ -3,7 +3,7 @@
 #include "server/base/error.h"
 #include "server/device/vulkan/raster_pipelines.h"
 #include "server/device/vulkan/raster_target.h"
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 #include "server/scene/kernel_tables.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 // serves every request whose effects are among its own, slower than one made for the request alone, with the same picture.
 
 #include "server/device/vulkan/gpu_scene.h"
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 
 #include <array>
 #include <map>

@@ -1,4 +1,4 @@
-#include "server/render/frame_request.h"
+#include "server/request/frame_request.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 #pragma once
 // Which effects a scene calls for, and why; and which of them a request then uses.
 
-#include "server/render/settings.h"
+#include "server/request/settings.h"
 #include "server/scene/scene.h"
 
 namespace heliograph {

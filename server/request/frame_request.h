@@ -2,9 +2,9 @@
 // What is to be rendered: everything a device needs beside the scene. A sample depends on (scene, request, pixel, sample)
 // alone, so any device may make any tile.
 
-#include "server/render/camera.h"
-#include "server/render/effect_set.h"
-#include "server/render/settings.h"
+#include "server/request/camera.h"
+#include "server/request/effect_set.h"
+#include "server/request/settings.h"
 
 #include <memory>
 #include <optional>

@@ -1,8 +1,8 @@
 #pragma once
 // What one viewer wants to see, and the rules by which a newer wish treats the work for an older one. Pure functions.
 
-#include "server/render/camera.h"
-#include "server/render/settings.h"
+#include "server/request/camera.h"
+#include "server/request/settings.h"
 
 #include <chrono>
 

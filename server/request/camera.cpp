@@ -1,4 +1,4 @@
-#include "server/render/camera.h"
+#include "server/request/camera.h"
 
 #include "server/base/error.h"
 
