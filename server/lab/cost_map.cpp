@@ -1,6 +1,6 @@
 #include "server/lab/cost_map.h"
 
-#include "server/render/film.h"
+#include "server/film/film.h"
 #include "server/render/frame_renderer.h"
 
 #include <mutex>

@@ -5,7 +5,7 @@
 
 #include "server/lab/raw_bench.h"
 #include "server/render/device.h"
-#include "server/render/stats.h"
+#include "server/film/stats.h"
 
 namespace heliograph {
 

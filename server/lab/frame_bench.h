@@ -2,7 +2,7 @@
 // How fast frames follow each other while the camera flies: one sample per pixel and frame, as a moving viewer gets.
 
 #include "server/render/frame_renderer.h"
-#include "server/render/stats.h"
+#include "server/film/stats.h"
 
 #include <iosfwd>
 

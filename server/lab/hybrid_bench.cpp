@@ -2,9 +2,9 @@
 
 #include "server/base/clock.h"
 #include "server/render/device_switch.h"
-#include "server/render/film.h"
+#include "server/film/film.h"
 #include "server/render/frame_renderer.h"
-#include "server/render/stats.h"
+#include "server/film/stats.h"
 
 #include <algorithm>
 #include <map>

@@ -1,7 +1,7 @@
 #include "server/lab/schedule_policies.h"
 
 #include "server/base/clock.h"
-#include "server/render/cell_costs.h"
+#include "server/film/cell_costs.h"
 
 #include <algorithm>
 #include <cmath>

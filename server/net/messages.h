@@ -3,9 +3,9 @@
 
 #include "server/net/protocol.h"
 #include "server/render/effect_meter.h"
-#include "server/render/partition.h"
+#include "server/film/partition.h"
 #include "server/render/path_run.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 #include "server/scene/load/scene_source.h"
 
 #include <map>

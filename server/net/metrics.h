@@ -2,7 +2,7 @@
 // Counters of the whole server and their text for Prometheus (exposition format 0.0.4). Names carry base units; no label
 // names a viewer, so the number of series stays fixed.
 
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 #include <array>
 #include <atomic>

@@ -3,7 +3,7 @@
 
 #include "server/base/progress.h"
 #include "server/request/frame_request.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 #include <functional>
 #include <memory>

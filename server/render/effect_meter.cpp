@@ -1,6 +1,6 @@
 #include "server/render/effect_meter.h"
 
-#include "server/render/stats.h"
+#include "server/film/stats.h"
 
 #include <algorithm>
 #include <cmath>

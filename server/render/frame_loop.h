@@ -4,10 +4,10 @@
 // passes accumulate up to the `samples` setting. The rules of who gives way to whom are in view_request.h.
 
 #include "server/render/device.h"
-#include "server/render/film.h"
-#include "server/render/cell_reach.h"
-#include "server/render/frame_history.h"
-#include "server/render/partition.h"
+#include "server/film/film.h"
+#include "server/film/cell_reach.h"
+#include "server/film/frame_history.h"
+#include "server/film/partition.h"
 #include "server/render/path_run.h"
 #include "server/render/turns.h"
 #include "server/request/view_request.h"

@@ -3,7 +3,7 @@
 // samples they want. (A viewer's frames, which newer ones cut short, are the session's.)
 
 #include "server/render/device.h"
-#include "server/render/film.h"
+#include "server/film/film.h"
 
 #include <map>
 

@@ -2,7 +2,7 @@
 // A flight along a camera path in real time, and how smooth it was.
 
 #include "server/request/camera.h"
-#include "server/render/stats.h"
+#include "server/film/stats.h"
 
 #include <optional>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "server/render/tile_run.h"
 
 #include "server/base/clock.h"
-#include "server/render/film.h"
+#include "server/film/film.h"
 
 #include <algorithm>
 #include <chrono>

@@ -3,7 +3,7 @@
 // device works on a thread of its own, and one thread watches the clock. A device that throws, stalls or delivers
 // something else than it was asked for costs its batch, not the frame. Private to the tile scheduler.
 
-#include "server/render/cell_costs.h"
+#include "server/film/cell_costs.h"
 #include "server/render/device.h"
 #include "server/render/frame_balance.h"
 #include "server/render/rate_book.h"

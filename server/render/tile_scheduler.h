@@ -3,7 +3,7 @@
 // threads of all devices' streams and the turns by which viewers share them (turns.h). Who takes part and how much everyone
 // gets is decided by pure functions (balance.h, frame_balance.h; docs/scheduling.md).
 
-#include "server/render/frame_history.h"
+#include "server/film/frame_history.h"
 #include "server/render/hybrid_trial.h"
 #include "server/render/rate_book.h"
 #include "server/render/tile_run.h"

@@ -21,7 +21,7 @@
 #include "server/device/vulkan/ray_bench.h"
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/encode/png_encoder.h"
-#include "server/render/stats.h"
+#include "server/film/stats.h"
 #include "server/scene/generate/generate.h"
 #include "server/kernel/kernel.h"
 

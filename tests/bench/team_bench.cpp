@@ -4,7 +4,7 @@
 #include "server/device/vulkan/vulkan_device.h"
 #include "server/lab/effect_bench.h"
 #include "server/lab/hybrid_bench.h"
-#include "server/render/cell_reach.h"
+#include "server/film/cell_reach.h"
 #include "server/render/device_switch.h"
 #include "server/scene/generate/generate.h"
 

@@ -1,6 +1,6 @@
 #include "server/render/tile_scheduler.h"
 
-#include "server/render/film.h"
+#include "server/film/film.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/random.h"
 #include "tests/support/team_device.h"

@@ -2,7 +2,7 @@
 
 #include "server/device/vulkan/pipeline_store.h"
 #include "server/device/vulkan/vulkan_device.h"
-#include "server/render/cell_reach.h"
+#include "server/film/cell_reach.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/load/scene_source.h"
 

@@ -2,7 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/device/embree/embree_scene.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 #include "server/kernel/kernel.h"
 
 #include <tbb/parallel_for.h>

@@ -3,7 +3,7 @@
 
 #include "server/device/embree/ray_packet.h"
 #include "server/request/frame_request.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 #include <memory>
 

@@ -3,7 +3,7 @@
 // may share no inline code with the rest.
 
 #include "server/device/embree/ray_packet.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 #include "server/kernel/scene_view.h"
 
 namespace heliograph {

@@ -3,7 +3,7 @@
 // into memory that the host has mapped and cached. Two of them take turns.
 
 #include "server/device/vulkan/trace_pipelines.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 namespace heliograph {
 

@@ -3,7 +3,7 @@
 // surface had to cut off, which are rendered again by the one that follows them.
 
 #include "server/device/vulkan/batch.h"
-#include "server/render/cell_reach.h"
+#include "server/film/cell_reach.h"
 
 namespace heliograph {
 

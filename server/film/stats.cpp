@@ -1,4 +1,4 @@
-#include "server/render/stats.h"
+#include "server/film/stats.h"
 
 #include <algorithm>
 #include <numeric>

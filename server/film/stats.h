@@ -1,7 +1,7 @@
 #pragma once
 // Figures about frames, as results and statistics show them.
 
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 #include <nlohmann/json.hpp>
 

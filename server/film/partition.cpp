@@ -1,4 +1,4 @@
-#include "server/render/partition.h"
+#include "server/film/partition.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/render/cell_reach.h"
+#include "server/film/cell_reach.h"
 
 namespace heliograph {
 

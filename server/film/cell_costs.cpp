@@ -1,4 +1,4 @@
-#include "server/render/cell_costs.h"
+#include "server/film/cell_costs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // The picture while it is made: sums of radiance per pixel in double, and how far each block has come. A result is taken
 // only if it continues its blocks exactly, so late, stale and duplicate results are harmless: the first one wins.
 
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 #include <condition_variable>
 #include <mutex>

@@ -2,7 +2,7 @@
 // Which device made which part of a pass, and who worked when: what the page tints and draws.
 
 #include "server/render/schedule_report.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 namespace heliograph {
 

@@ -1,4 +1,4 @@
-#include "server/render/film.h"
+#include "server/film/film.h"
 
 #include <algorithm>
 #include <cmath>

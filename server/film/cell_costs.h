@@ -2,7 +2,7 @@
 // What each cell of a viewer's picture cost last: the scheduler predicts the next pass from it. Cost is counted in rays, so it
 // does not depend on who rendered the cell.
 
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 namespace heliograph {
 

@@ -1,7 +1,7 @@
 #pragma once
 // What is known of a viewer's frames: what their cells cost, where they are still noisy, how the last one was distributed.
 
-#include "server/render/cell_costs.h"
+#include "server/film/cell_costs.h"
 #include "server/render/schedule_report.h"
 
 namespace heliograph {

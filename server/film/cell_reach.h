@@ -4,7 +4,7 @@
 // to come, never a promise: a sample may meet what none met before, and a device has to notice that.
 
 #include "server/request/frame_request.h"
-#include "server/render/tile.h"
+#include "server/film/tile.h"
 
 #include <atomic>
 #include <optional>
