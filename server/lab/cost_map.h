@@ -2,7 +2,7 @@
 // What each cell of real frames costs: rays by cell, recorded from a device that renders the scene. Counted, not timed,
 // so the same scene gives the same map on every machine.
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 
 namespace heliograph {
 

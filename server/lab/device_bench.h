@@ -4,7 +4,7 @@
 // down all of them alike.
 
 #include "server/lab/raw_bench.h"
-#include "server/render/device.h"
+#include "server/device/device.h"
 #include "server/film/stats.h"
 
 namespace heliograph {

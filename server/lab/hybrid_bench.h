@@ -2,7 +2,7 @@
 // What devices reach together, beside each of them alone: ratio to the best one and to the sum of their rates, who made how
 // much, who waited, what the scheduler took. Repetitions are interleaved, so that a busy machine slows all of them alike.
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 #include "server/film/frame_history.h"
 
 #include <nlohmann/json.hpp>

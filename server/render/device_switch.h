@@ -3,7 +3,7 @@
 // are there, through the tile scheduler. A device gets the scene when it is first asked for. One that fails is set aside, and
 // its frame goes on elsewhere.
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 #include "server/render/tile_scheduler.h"
 
 namespace heliograph {

@@ -3,7 +3,7 @@
 // device with other loops by taking turns (turns.h). While the viewer moves, every frame is one pass of one sample; at rest
 // passes accumulate up to the `samples` setting. The rules of who gives way to whom are in view_request.h.
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 #include "server/film/film.h"
 #include "server/film/cell_reach.h"
 #include "server/film/frame_history.h"

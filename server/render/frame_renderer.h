@@ -2,7 +2,7 @@
 // Renders a frame into a film from start to end on one device: for commands and benchmarks, which know beforehand how many
 // samples they want. (A viewer's frames, which newer ones cut short, are the session's.)
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 #include "server/film/film.h"
 
 #include <map>

@@ -4,7 +4,7 @@
 // something else than it was asked for costs its batch, not the frame. Private to the tile scheduler.
 
 #include "server/film/cell_costs.h"
-#include "server/render/device.h"
+#include "server/device/device.h"
 #include "server/render/frame_balance.h"
 #include "server/render/rate_book.h"
 #include "server/render/schedule_report.h"

@@ -1,7 +1,7 @@
 #pragma once
 // A device that traces nothing: its pixels follow from position and sample index by a formula that tests know.
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 
 namespace heliograph::test {
 

@@ -1,7 +1,7 @@
 #pragma once
 // A device with streams that a test can slow down, hold up, break or make lie. Its pixels are those of FakeDevice.
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 
 #include <atomic>
 #include <condition_variable>

@@ -1,7 +1,7 @@
 #pragma once
 // The CPU as a device: Embree traces, the kernel shades, TBB spreads tiles over the cores.
 
-#include "server/render/device.h"
+#include "server/device/device.h"
 
 namespace heliograph {
 

@@ -3,7 +3,7 @@
 // refractions; views of normals, depth, materials and triangles instead.
 
 #include "server/device/vulkan/vulkan_context.h"
-#include "server/render/device.h"
+#include "server/device/device.h"
 
 namespace heliograph {
 

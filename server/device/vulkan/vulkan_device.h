@@ -2,7 +2,7 @@
 // A GPU as a device: the kernel runs as a compute shader over batches of tiles.
 
 #include "server/device/vulkan/vulkan_context.h"
-#include "server/render/device.h"
+#include "server/device/device.h"
 
 namespace heliograph {
 
