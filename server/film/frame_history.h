@@ -2,7 +2,7 @@
 // What is known of a viewer's frames: what their cells cost, where they are still noisy, how the last one was distributed.
 
 #include "server/film/cell_costs.h"
-#include "server/render/schedule_report.h"
+#include "server/schedule/schedule_report.h"
 
 namespace heliograph {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Which device made which part of a pass, and who worked when: what the page tints and draws.
 
-#include "server/render/schedule_report.h"
+#include "server/schedule/schedule_report.h"
 #include "server/film/tile.h"
 
 namespace heliograph {

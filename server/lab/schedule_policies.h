@@ -2,8 +2,8 @@
 // The ways to distribute a frame that the simulator compares.
 
 #include "server/lab/schedule_simulator.h"
-#include "server/render/frame_balance.h"
-#include "server/render/rate_book.h"
+#include "server/schedule/frame_balance.h"
+#include "server/schedule/rate_book.h"
 
 #include <memory>
 

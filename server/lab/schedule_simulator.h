@@ -2,7 +2,7 @@
 // Plays frames on devices that exist only as numbers: event by event, in simulated time, the same on every run. What
 // the real scheduler decides with (render/frame_balance) decides here too, beside the ways of others.
 
-#include "server/render/balance.h"
+#include "server/schedule/balance.h"
 
 #include <limits>
 #include <optional>

@@ -5,9 +5,9 @@
 
 #include "server/film/cell_costs.h"
 #include "server/device/device.h"
-#include "server/render/frame_balance.h"
-#include "server/render/rate_book.h"
-#include "server/render/schedule_report.h"
+#include "server/schedule/frame_balance.h"
+#include "server/schedule/rate_book.h"
+#include "server/schedule/schedule_report.h"
 #include "server/render/worker_crew.h"
 
 #include <atomic>

@@ -4,8 +4,8 @@
 // gets is decided by pure functions (balance.h, frame_balance.h; docs/scheduling.md).
 
 #include "server/film/frame_history.h"
-#include "server/render/hybrid_trial.h"
-#include "server/render/rate_book.h"
+#include "server/schedule/hybrid_trial.h"
+#include "server/schedule/rate_book.h"
 #include "server/render/tile_run.h"
 #include "server/render/turns.h"
 

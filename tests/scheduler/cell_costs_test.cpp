@@ -1,5 +1,5 @@
 #include "server/film/cell_costs.h"
-#include "server/render/schedule_report.h"
+#include "server/schedule/schedule_report.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
-#include "server/render/balance.h"
-#include "server/render/frame_balance.h"
-#include "server/render/rate_book.h"
+#include "server/schedule/balance.h"
+#include "server/schedule/frame_balance.h"
+#include "server/schedule/rate_book.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/render/hybrid_trial.h"
+#include "server/schedule/hybrid_trial.h"
 
 #include <algorithm>
 

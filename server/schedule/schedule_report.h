@@ -1,7 +1,7 @@
 #pragma once
 // How a frame was distributed over devices: who took part and why not, who worked when, what deciding cost.
 
-#include "server/render/balance.h"
+#include "server/schedule/balance.h"
 
 namespace heliograph {
 

@@ -1,4 +1,4 @@
-#include "server/render/schedule_report.h"
+#include "server/schedule/schedule_report.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/render/rate_book.h"
+#include "server/schedule/rate_book.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "server/render/ready_table.h"
+#include "server/schedule/ready_table.h"
 
 #include <algorithm>
 #include <limits>

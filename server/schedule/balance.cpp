@@ -1,4 +1,4 @@
-#include "server/render/balance.h"
+#include "server/schedule/balance.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,8 +6,8 @@
 //
 // A decision costs a pass over the slots of ReadyTable and one binary search, whatever the number of workers and cells.
 
-#include "server/render/balance.h"
-#include "server/render/ready_table.h"
+#include "server/schedule/balance.h"
+#include "server/schedule/ready_table.h"
 
 #include <array>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "server/render/frame_balance.h"
+#include "server/schedule/frame_balance.h"
 
 #include <algorithm>
 #include <cassert>
