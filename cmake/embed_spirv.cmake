@@ -1,6 +1,6 @@
 # Writes a C++ file that holds SPIR-V modules as arrays of words.
 # cmake -DOUT=file.cpp -DMODULES="name=file.spv;..." -P embed_spirv.cmake
-set(text "// Made by cmake/embed_spirv.cmake.\n#include \"server/device/vulkan/shader_code.h\"\n\nnamespace heliograph::shaders {\n\n")
+set(text "// Made by cmake/embed_spirv.cmake.\n#include \"server/device/vulkan/core/shader_code.h\"\n\nnamespace heliograph::shaders {\n\n")
 foreach(module ${MODULES})
   string(REGEX REPLACE "=.*" "" name "${module}")
   string(REGEX REPLACE "^[^=]*=" "" file "${module}")

@@ -3,8 +3,8 @@
 #include "server/device/embree/embree_device.h"
 #include "server/device/embree/embree_raw.h"
 
-#include "server/device/vulkan/raster_device.h"
-#include "server/device/vulkan/vulkan_device.h"
+#include "server/device/vulkan/raster/raster_device.h"
+#include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/base/error.h"
 
 #include <algorithm>

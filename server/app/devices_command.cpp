@@ -1,7 +1,7 @@
 #include "server/app/devices_command.h"
 
 #include "server/device/embree/embree_device.h"
-#include "server/device/vulkan/vulkan_device.h"
+#include "server/device/vulkan/trace/vulkan_device.h"
 
 #include <CLI/CLI.hpp>
 

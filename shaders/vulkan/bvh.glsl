@@ -2,7 +2,7 @@
 // modelled, in whose leaves placed instances hang with a tree per mesh. The including file defines
 //   BVH_WIDTH         2: nodes of two float boxes; 4: four boxes of 8 bits an axis (Ylitie et al., "Efficient Incoherent
 //                     Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, has the idea for eight)
-//   BVH_NODE(i)       16 bytes of the nodes, BVH_TRIANGLE(i) of the triangles (server/device/vulkan/bvh_layout.h)
+//   BVH_NODE(i)       16 bytes of the nodes, BVH_TRIANGLE(i) of the triangles (server/device/vulkan/tree/bvh_layout.h)
 //   BVH_STACK         entries of the stack: what the deepest path of the tree at hand needs, so it cannot overflow
 //   BVH_HOLE(hit)     true if the ray passes the hit triangle (cut-outs); origin and direction are in scope
 // The order of visits (closer child first): Aila & Laine, "Understanding the Efficiency of Ray Traversal on GPUs" (2009).

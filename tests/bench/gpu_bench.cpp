@@ -18,8 +18,8 @@
 
 #include "server/device/embree/embree_device.h"
 #include "server/device/embree/embree_scene.h"
-#include "server/device/vulkan/ray_bench.h"
-#include "server/device/vulkan/vulkan_device.h"
+#include "server/device/vulkan/bench/ray_bench.h"
+#include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/encode/png_encoder.h"
 #include "server/film/stats.h"
 #include "server/scene/generate/generate.h"

@@ -1,7 +1,7 @@
 #pragma once
 // What the parts of the benchmark for GPU machines share. Each part returns its JSON.
 
-#include "server/device/vulkan/vulkan_context.h"
+#include "server/device/vulkan/core/vulkan_context.h"
 #include "server/render/frame_renderer.h"
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #include "tests/bench/gpu_bench.h"
 
 #include "server/device/embree/embree_device.h"
-#include "server/device/vulkan/vulkan_device.h"
+#include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/lab/effect_bench.h"
 #include "server/lab/hybrid_bench.h"
 #include "server/film/cell_reach.h"

@@ -9,7 +9,7 @@
 // A row per scene; the last line is `N passed, N failed`, as ./check counts it. Without SCENE: all of rows() that are here.
 
 #include "server/device/embree/embree_device.h"
-#include "server/device/vulkan/vulkan_device.h"
+#include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/encode/png_encoder.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/load/scene_source.h"

@@ -1,7 +1,7 @@
 // Programs on a Vulkan device: what outlives the process, and the wide one that serves until a request has its own.
 
-#include "server/device/vulkan/pipeline_store.h"
-#include "server/device/vulkan/vulkan_device.h"
+#include "server/device/vulkan/core/pipeline_store.h"
+#include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/film/cell_reach.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/load/scene_source.h"

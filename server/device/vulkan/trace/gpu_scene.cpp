@@ -1,0 +1,169 @@
+#include "server/device/vulkan/trace/gpu_scene.h"
+
+#include "server/base/error.h"
+#include "server/device/vulkan/tree/bvh_builder.h"
+#include "server/scene/kernel_tables.h"
+
+#include <chrono>
+
+namespace heliograph {
+
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+std::string mebibytes(uint64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
+
+}  // namespace
+
+uint32_t varietiesOf(const Scene& scene) {
+    uint32_t bits = 0;
+    auto note = [&](bool met, uint32_t variety) { bits |= met ? variety : 0u; };
+    for (const Material& m : scene.materials) {
+        note(m.baseTexture != NO_INDEX, VARIETY_BASE_TEXTURE);
+        note(m.opacityTexture != NO_INDEX, VARIETY_OPACITY_TEXTURE);
+        note(m.metallicRoughnessTexture != NO_INDEX, VARIETY_METALLIC_ROUGHNESS_TEXTURE);
+        note(m.transmissionTexture != NO_INDEX, VARIETY_TRANSMISSION_TEXTURE);
+        note(m.specularTexture != NO_INDEX, VARIETY_SPECULAR_TEXTURE);
+        note(m.emissionTexture != NO_INDEX, VARIETY_EMISSION_TEXTURE);
+        note((m.flags & MATERIAL_BUMP) != 0u, VARIETY_BUMP);
+        note((m.flags & MATERIAL_UNLIT) != 0u, VARIETY_UNLIT);
+        // What shows its own colour is shaded by the model that reflects nothing.
+        note((m.flags & (MATERIAL_PHONG | MATERIAL_UNLIT)) != 0u, VARIETY_PHONG);
+        note((m.flags & (MATERIAL_PHONG | MATERIAL_UNLIT)) == 0u, VARIETY_MICROFACET);
+    }
+    for (const TextureSlot& slot : scene.textures) {
+        note(slot.nearest != 0u, VARIETY_NEAREST);
+        note(slot.wrapU != WRAP_REPEAT || slot.wrapV != WRAP_REPEAT, VARIETY_WRAP);
+    }
+    for (const Image& image : scene.images) note(image.format == IMAGE_RGB9E5, VARIETY_SHARED_EXPONENT);
+    note(scene.environment.image != NO_INDEX, VARIETY_WRAP);  // a lat-long image ends at the poles
+    return bits;
+}
+
+VkDescriptorType GpuScene::descriptorType(uint32_t index, uint32_t width) {
+    if (index == binding::FRAME || index == binding::ENVIRONMENT) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    if (width == 4 && index <= binding::BVH_TRIANGLES) return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
+template <typename T>
+void GpuScene::put(uint32_t index, const char* what, const T* data, size_t count) {
+    // Rows of 16 bytes; texels and sample points are smaller than a row.
+    constexpr VkFormat FORMAT = sizeof(T) == 4   ? VK_FORMAT_R32_UINT
+                                : sizeof(T) == 8 ? VK_FORMAT_R32G32_UINT
+                                                 : VK_FORMAT_R32G32B32A32_UINT;
+    constexpr uint64_t ELEMENT = sizeof(T) < 16 ? sizeof(T) : 16;
+    static_assert(sizeof(T) % ELEMENT == 0);
+    VkDescriptorType type = descriptorType(index, bvhWidth_);
+    bool texels = type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    uint64_t bytes = count * sizeof(T);
+    uint64_t limit = texels ? uint64_t(gpu_.physical().texelElements) * ELEMENT : gpu_.physical().bufferRange;
+    if (bytes > limit)
+        throw InputError("scene", std::string(what) + " of " + mebibytes(bytes),
+                         gpu_.physical().name + " takes at most " + mebibytes(limit) + " of them; use another device");
+    VkBufferUsageFlags usage = texels                                       ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
+                               : type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT
+                                                                            : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    buffers_[index] = gpu_.filled(data, bytes, usage);
+    if (texels) views_[index] = view(buffers_[index], FORMAT);
+}
+
+GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress)
+    : gpu_(gpu), scene_(std::move(scene)), bvhWidth_(widthFor(gpu.physical())) {
+    double begin = now();
+    BvhOptions options;
+    options.width = bvhWidth_;
+    options.maxLeaf = bvhWidth_ == 4 ? 4 : 3;
+    options.quality = quality;
+    Bvh bvh = buildBvh(*scene_, options, progress);
+    stackDepth_ = bvh.stackDepth;
+    varieties_ = varietiesOf(*scene_);
+    double built = now();
+    buildSeconds_ = built - begin;
+    report(progress, "uploading the scene", 0.8);
+    std::vector<Instance> instances = scene_->instances;
+    for (Instance& instance : instances) instance.root = bvh.meshRoots[instance.mesh];
+    try {
+        putArrays(std::move(instances));
+        put(binding::BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
+        put(binding::BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
+    } catch (...) {
+        dropViews();
+        throw;
+    }
+    uploadSeconds_ = now() - built;
+}
+
+GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress)
+    : gpu_(gpu), scene_(std::move(scene)) {
+    double begin = now();
+    report(progress, "uploading the scene", 0.0);
+    putArrays(scene_->instances);
+    uploadSeconds_ = now() - begin;
+}
+
+void GpuScene::putArrays(std::vector<Instance> instances) {
+    const Scene& s = *scene_;
+    put(binding::POSITIONS, "vertices", s.positions.data(), s.positions.size());
+    put(binding::ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
+    put(binding::TANGENTS, "tangents", s.tangents.data(), s.tangents.size());
+    put(binding::TRIANGLES, "triangles", s.triangles.data(), s.triangles.size());
+    put(binding::MESHES, "meshes", s.meshes.data(), s.meshes.size());
+    put(binding::INSTANCES, "instances", instances.data(), instances.size());
+    put(binding::MATERIALS, "materials", s.materials.data(), s.materials.size());
+    put(binding::TEXTURES, "textures", s.textures.data(), s.textures.size());
+    put(binding::IMAGES, "images", s.images.data(), s.images.size());
+    put(binding::IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
+    put(binding::TEXELS, "images' texels", s.texels.data(), s.texels.size());
+    put(binding::LIGHTS, "lights", s.lights.data(), s.lights.size());
+    put(binding::ENVIRONMENT, "environment", &s.environment, 1);
+    put(binding::SOBOL, "sample points", sobolTable().data(), sobolTable().size());
+}
+
+GpuScene::~GpuScene() { dropViews(); }
+
+void GpuScene::dropViews() {
+    for (VkBufferView view : views_) vkDestroyBufferView(gpu_.handle(), view, nullptr);
+}
+
+VkBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {
+    VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    info.buffer = buffer.handle();
+    info.format = format;
+    info.range = VK_WHOLE_SIZE;
+    VkBufferView view;
+    check(vkCreateBufferView(gpu_.handle(), &info, nullptr, &view), "make a view of a buffer");
+    return view;
+}
+
+void GpuScene::bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const {
+    bindUpTo(set, binding::SOBOL);
+    VkDescriptorBufferInfo info{frame.handle(), 0, VK_WHOLE_SIZE};
+    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    write.dstSet = set;
+    write.dstBinding = binding::FRAME;
+    write.descriptorCount = 1;
+    write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    write.pBufferInfo = &info;
+    vkUpdateDescriptorSets(gpu_.handle(), 1, &write, 0, nullptr);
+}
+
+void GpuScene::bindUpTo(VkDescriptorSet set, uint32_t last) const {
+    VkDescriptorBufferInfo infos[binding::COUNT];
+    std::vector<VkWriteDescriptorSet> writes;
+    for (uint32_t i = binding::POSITIONS; i <= last; i++) {
+        VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+        write.dstSet = set;
+        write.dstBinding = i;
+        write.descriptorCount = 1;
+        write.descriptorType = descriptorType(i, bvhWidth_);
+        infos[i] = {buffers_[i].handle(), 0, VK_WHOLE_SIZE};
+        write.pBufferInfo = &infos[i];
+        write.pTexelBufferView = &views_[i];
+        writes.push_back(write);
+    }
+    vkUpdateDescriptorSets(gpu_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
+}
+
+}  // namespace heliograph

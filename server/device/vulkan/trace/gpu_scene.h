@@ -1,0 +1,68 @@
+#pragma once
+// A scene in a GPU's memory: the kernel's arrays and tables and the trees, in the order of their bindings.
+
+#include "server/device/vulkan/tree/bvh_layout.h"
+#include "server/device/vulkan/core/gpu.h"
+#include "server/base/progress.h"
+#include "server/scene/scene.h"
+
+namespace heliograph {
+
+/// Bindings of shaders/vulkan/buffers.glsl, device.glsl and trace.comp.
+namespace binding {
+constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIANGLES = 4, MESHES = 5, INSTANCES = 6, MATERIALS = 7,
+                   TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13, SOBOL = 14,
+                   BVH_NODES = 15, BVH_TRIANGLES = 16, TILES = 17, SUMS = 18, COUNTS = 19, COUNT = 20;
+}
+
+/// VARIETY_* bits of what a scene's materials, textures and images do.
+uint32_t varietiesOf(const Scene& scene);
+
+class GpuScene {
+public:
+    /// Builds the trees and uploads. quality: 0 low, 1 medium, 2 high. Throws InputError for a scene that does not fit the
+    /// device's buffers, naming the array; VulkanError when memory runs out.
+    GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress);
+    /// The arrays alone, without trees, all as storage buffers: what drawing needs.
+    GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress);
+    ~GpuScene();
+    GpuScene(const GpuScene&) = delete;
+    GpuScene& operator=(const GpuScene&) = delete;
+
+    const Scene& scene() const { return *scene_; }
+    /// Children of a tree node: 4 on CPU-type devices, which read all arrays through texel buffers, else 2.
+    uint32_t bvhWidth() const { return bvhWidth_; }
+    uint32_t stackDepth() const { return stackDepth_; }
+    /// VARIETY_* bits of what the scene holds.
+    uint32_t varieties() const { return varieties_; }
+    double buildSeconds() const { return buildSeconds_; }
+    double uploadSeconds() const { return uploadSeconds_; }
+    /// Writes the scene's bindings of a set.
+    void bind(VkDescriptorSet set) const { bindUpTo(set, binding::BVH_TRIANGLES); }
+    /// Writes the kernel's bindings alone, `frame` with them.
+    void bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const;
+
+    static uint32_t widthFor(const PhysicalDevice& physical) { return physical.isCpu() ? 4 : 2; }
+    /// What binding `index` of a set is for trees of `width`.
+    static VkDescriptorType descriptorType(uint32_t index, uint32_t width);
+
+private:
+    void putArrays(std::vector<Instance> instances);
+    void dropViews();
+    void bindUpTo(VkDescriptorSet set, uint32_t last) const;
+    template <typename T>
+    void put(uint32_t index, const char* what, const T* data, size_t count);
+    VkBufferView view(const GpuBuffer& buffer, VkFormat format) const;
+
+    Gpu& gpu_;
+    std::shared_ptr<const Scene> scene_;
+    uint32_t bvhWidth_ = 2;
+    uint32_t stackDepth_ = 0;
+    uint32_t varieties_ = 0;
+    double buildSeconds_ = 0.0;
+    double uploadSeconds_ = 0.0;
+    GpuBuffer buffers_[binding::COUNT];
+    VkBufferView views_[binding::COUNT] = {};
+};
+
+}  // namespace heliograph

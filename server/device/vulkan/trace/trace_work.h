@@ -1,0 +1,40 @@
+#pragma once
+// The tiles of one call of a device: those that nobody has rendered yet, and those that the program for paths of a single
+// surface had to cut off, which are rendered again by the one that follows them.
+
+#include "server/device/vulkan/trace/batch.h"
+#include "server/film/cell_reach.h"
+
+namespace heliograph {
+
+class TraceWork {
+public:
+    /// `reach` may be null; it outlives the work, as the tiles do.
+    TraceWork(std::span<const Tile> tiles, CellReach* reach) : tiles_(tiles), reach_(reach) {}
+
+    bool done() const { return next_ == tiles_.size() && again_.empty(); }
+    /// As many as make a batch. `hasSingle`: there is a program for tiles whose paths have all ended at once so far.
+    void fill(Batch& batch, uint64_t wantedSamples, bool hasSingle) {
+        for (; !again_.empty() && batch.takes(again_.back(), wantedSamples); again_.pop_back()) batch.add(again_.back());
+        for (; next_ < tiles_.size() && batch.takes(tiles_[next_], wantedSamples); next_++)
+            batch.add(tiles_[next_], hasSingle && reach_ && reach_->endsAtOnce(tiles_[next_]));
+    }
+    /// The tile was cut off. Safe from several threads; not beside `fill` and `done`.
+    void again(const Tile& tile) {
+        std::lock_guard lock(mutex_);
+        again_.push_back(tile);
+    }
+    /// The tile is finished. Safe from several threads.
+    void note(const TileResult& result) {
+        if (reach_) reach_->note(result);
+    }
+
+private:
+    const std::span<const Tile> tiles_;
+    CellReach* const reach_;
+    size_t next_ = 0;
+    std::mutex mutex_;  // of again_
+    std::vector<Tile> again_;
+};
+
+}  // namespace heliograph
