@@ -2,7 +2,7 @@
 // The scenes that the server holds ready, each on a device of its own. Loading happens on one thread in the background, so
 // viewers of other scenes are not disturbed; a load that nobody waits for any more is given up.
 
-#include "server/net/session.h"
+#include "server/stream/session.h"
 
 namespace heliograph {
 

@@ -1,4 +1,4 @@
-#include "server/render/effect_meter.h"
+#include "server/stream/effect_meter.h"
 
 #include "tests/support/test_scenes.h"
 

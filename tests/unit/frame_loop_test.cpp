@@ -1,4 +1,4 @@
-#include "server/render/frame_loop.h"
+#include "server/stream/frame_loop.h"
 
 #include "server/scene/scene.h"
 

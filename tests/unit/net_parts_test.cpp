@@ -2,7 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/net/client_files.h"
-#include "server/net/metrics.h"
+#include "server/stream/metrics.h"
 #include "server/net/origin.h"
 #include "server/net/rate_limit.h"
 #include "server/net/token.h"

@@ -1,4 +1,4 @@
-#include "server/net/session.h"
+#include "server/stream/session.h"
 
 #include "server/base/error.h"
 

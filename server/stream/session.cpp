@@ -1,4 +1,4 @@
-#include "server/net/session.h"
+#include "server/stream/session.h"
 
 #include "server/base/log.h"
 #include "server/base/machine.h"

@@ -3,7 +3,7 @@
 // device like those of any viewer (turns.h), so nobody waits longer than for one viewer more; only time within turns counts.
 
 #include "server/request/effect_pair.h"
-#include "server/render/frame_loop.h"
+#include "server/stream/frame_loop.h"
 
 namespace heliograph {
 

@@ -3,7 +3,7 @@
 // time: whoever has the next one waits until `busy` is over.
 
 #include "server/base/mailbox.h"
-#include "server/net/picture_maker.h"
+#include "server/stream/picture_maker.h"
 #include "server/net/viewer_socket.h"
 
 #include <atomic>

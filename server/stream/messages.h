@@ -2,9 +2,9 @@
 // What the server says in `heliograph.v1`: each function makes the text of one control message (docs/protocol.md).
 
 #include "server/net/protocol.h"
-#include "server/render/effect_meter.h"
+#include "server/stream/effect_meter.h"
 #include "server/film/partition.h"
-#include "server/render/path_run.h"
+#include "server/stream/path_run.h"
 #include "server/film/tile.h"
 #include "server/scene/load/scene_source.h"
 

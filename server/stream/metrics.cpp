@@ -1,4 +1,4 @@
-#include "server/net/metrics.h"
+#include "server/stream/metrics.h"
 #include "server/base/version.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 #pragma once
 // Gathers the figures of frames and makes the `stats` message of them.
 
-#include "server/net/messages.h"
-#include "server/net/publisher.h"
+#include "server/stream/messages.h"
+#include "server/stream/publisher.h"
 
 namespace heliograph {
 

@@ -3,10 +3,10 @@
 // credit, and stands between the socket, the render loop and the publisher. A fault of a viewer is answered to that viewer
 // alone.
 
-#include "server/net/messages.h"
-#include "server/net/metrics.h"
-#include "server/net/publisher.h"
-#include "server/net/stats_window.h"
+#include "server/stream/messages.h"
+#include "server/stream/metrics.h"
+#include "server/stream/publisher.h"
+#include "server/stream/stats_window.h"
 #include "server/net/viewer_socket.h"
 
 #include <deque>

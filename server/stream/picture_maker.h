@@ -3,7 +3,7 @@
 
 #include "server/encode/encoder.h"
 #include "server/net/protocol.h"
-#include "server/render/frame_loop.h"
+#include "server/stream/frame_loop.h"
 
 #include <memory>
 #include <vector>

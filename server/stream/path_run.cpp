@@ -1,4 +1,4 @@
-#include "server/render/path_run.h"
+#include "server/stream/path_run.h"
 
 namespace heliograph {
 

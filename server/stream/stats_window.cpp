@@ -1,4 +1,4 @@
-#include "server/net/stats_window.h"
+#include "server/stream/stats_window.h"
 
 namespace heliograph {
 

@@ -8,7 +8,7 @@
 #include "server/film/cell_reach.h"
 #include "server/film/frame_history.h"
 #include "server/film/partition.h"
-#include "server/render/path_run.h"
+#include "server/stream/path_run.h"
 #include "server/render/turns.h"
 #include "server/request/view_request.h"
 

@@ -1,4 +1,4 @@
-#include "server/net/messages.h"
+#include "server/stream/messages.h"
 
 #include "server/request/effect_set.h"
 #include "server/base/version.h"

@@ -1,4 +1,4 @@
-#include "server/net/publisher.h"
+#include "server/stream/publisher.h"
 
 #include <algorithm>
 
