@@ -1,6 +1,6 @@
 #include "server/base/error.h"
 #include "server/scene/load/scene_source.h"
-#include "tests/scene/scene_files.h"
+#include "tests/unit/scene/scene_files.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 
 #include "server/base/error.h"
 #include "server/scene/load/scene_source.h"
-#include "tests/scene/scene_files.h"
+#include "tests/unit/scene/scene_files.h"
 #include "tests/support/places.h"
 
 #include <gmock/gmock.h>
