@@ -7,33 +7,45 @@ set -eu
 # One row per folder of server/: FOLDER MAY-INCLUDE... The longest folder that fits a path is its folder.
 FOLDERS='
 base
-scene            base kernel scene/generate
-scene/generate   base kernel scene
-render           base kernel scene
-device/embree    base kernel scene render
-device/vulkan    base kernel scene render
-device/remote    base kernel scene render pool
-encode           base kernel scene render
-net              base kernel scene render encode
-pool             base kernel scene render encode
-lab              base kernel scene render
-app              base kernel scene scene/generate render device/embree device/vulkan device/remote encode net pool lab
+kernel               base
+scene                base kernel
+scene/build          base kernel scene
+scene/generate       base kernel scene scene/build
+scene/load           base kernel scene scene/build scene/generate
+request              base kernel scene
+film                 base kernel scene request
+device               base kernel scene request film
+schedule             base kernel scene request film device
+render               base kernel scene request film device schedule
+device/embree        base kernel scene request film device
+device/vulkan/core   base kernel
+device/vulkan/tree   base kernel scene device/vulkan/core
+device/vulkan/trace  base kernel scene request film device device/vulkan/core device/vulkan/tree
+device/vulkan/raster base kernel scene request film device device/vulkan/core device/vulkan/trace
+device/vulkan/bench  base kernel scene request film device device/vulkan/core device/vulkan/tree device/vulkan/trace
+device/remote        base kernel scene request film device pool
+encode               base kernel
+net                  base kernel scene request
+pool                 base kernel scene request film net
+lab                  base kernel scene request film device schedule render
+stream               base kernel scene scene/load request film device schedule render encode net
+app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote encode net pool lab stream
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...
 LIBRARIES='
-embree3/         device/embree device/vulkan
-vulkan/          device/vulkan
+embree3/         device/embree device/vulkan/tree
+vulkan/          device/vulkan/core device/vulkan/tree device/vulkan/trace device/vulkan/raster device/vulkan/bench
 libwebsockets    net
 nats             pool
 turbojpeg.h      encode
 jpeglib.h        encode
 png.h            encode
-OpenImageIO/     scene encode
-tiny_gltf.h      scene
-tiny_obj_loader  scene
+OpenImageIO/     scene/load encode
+tiny_gltf.h      scene/load
+tiny_obj_loader  scene/load
 CLI/             app main
-tbb/             scene scene/generate device/embree device/vulkan
+tbb/             scene/build scene/generate scene/load device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
 gtest/           tests
 gmock/           tests
 '
@@ -114,10 +126,10 @@ check() {
 selfTest() {
     scratch=$(mktemp -d)
     trap 'rm -rf "$scratch"' EXIT
-    mkdir -p "$scratch/server/base" "$scratch/server/render" "$scratch/server/device/embree" "$scratch/server/lost" \
+    mkdir -p "$scratch/server/base" "$scratch/server/film" "$scratch/server/device/embree" "$scratch/server/lost" \
         "$scratch/shaders/kernel"
     echo '#pragma once' >"$scratch/server/base/good.h"
-    printf '#pragma once\n#include "server/base/good.h"\n#include <vector>\n' >"$scratch/server/render/good.h"
+    printf '#pragma once\n#include "server/base/good.h"\n#include <vector>\n' >"$scratch/server/film/good.h"
     check "$scratch" >/dev/null || { echo "self-test: a tree without breaches was refused"; exit 1; }
     plant() {  # FILE LINES: the check must now fail, and name the file
         mkdir -p "$(dirname "$scratch/$1")"
@@ -126,11 +138,11 @@ selfTest() {
         case $found in *"$1:"*) ;; *) echo "self-test: $1 is not named in: $found"; exit 1 ;; esac
         rm "$scratch/$1"
     }
-    plant server/base/up.h '#pragma once\n#include "server/render/good.h"\n'
-    plant server/render/gpu.h '#pragma once\n#include <embree3/rtcore.h>\n'
-    plant server/render/near.cpp '#include "good.h"\n'
-    plant server/render/back.cpp '#include "../base/good.h"\n'
-    plant server/device/embree/other.cpp '#include "server/device/vulkan/device.h"\n'
+    plant server/base/up.h '#pragma once\n#include "server/film/good.h"\n'
+    plant server/film/gpu.h '#pragma once\n#include <embree3/rtcore.h>\n'
+    plant server/film/near.cpp '#include "good.h"\n'
+    plant server/film/back.cpp '#include "../base/good.h"\n'
+    plant server/device/embree/other.cpp '#include "server/device/vulkan/trace/vulkan_device.h"\n'
     plant server/lost/alone.cpp 'int x;\n'
     plant server/base/twice.h 'int x;\n'
     plant shaders/kernel/up.h '#pragma once\n#include "server/base/good.h"\n'

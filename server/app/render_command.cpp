@@ -10,7 +10,7 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
-#include "server/film/frame_history.h"
+#include "server/schedule/frame_history.h"
 #include "server/render/frame_renderer.h"
 #include "server/film/stats.h"
 #include "server/scene/load/scene_source.h"

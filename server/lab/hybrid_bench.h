@@ -3,7 +3,7 @@
 // much, who waited, what the scheduler took. Repetitions are interleaved, so that a busy machine slows all of them alike.
 
 #include "server/device/device.h"
-#include "server/film/frame_history.h"
+#include "server/schedule/frame_history.h"
 
 #include <nlohmann/json.hpp>
 

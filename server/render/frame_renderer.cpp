@@ -1,7 +1,7 @@
 #include "server/render/frame_renderer.h"
 
 #include "server/base/clock.h"
-#include "server/film/frame_history.h"
+#include "server/schedule/frame_history.h"
 
 #include <stdexcept>
 

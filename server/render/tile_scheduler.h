@@ -3,7 +3,7 @@
 // threads of all devices' streams and the turns by which viewers share them (turns.h). Who takes part and how much everyone
 // gets is decided by pure functions (balance.h, frame_balance.h; docs/scheduling.md).
 
-#include "server/film/frame_history.h"
+#include "server/schedule/frame_history.h"
 #include "server/schedule/hybrid_trial.h"
 #include "server/schedule/rate_book.h"
 #include "server/render/tile_run.h"

@@ -3,7 +3,7 @@
 
 #include "server/net/protocol.h"
 #include "server/stream/effect_meter.h"
-#include "server/film/partition.h"
+#include "server/schedule/partition.h"
 #include "server/stream/path_run.h"
 #include "server/film/tile.h"
 #include "server/scene/load/scene_source.h"

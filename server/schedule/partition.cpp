@@ -1,4 +1,4 @@
-#include "server/film/partition.h"
+#include "server/schedule/partition.h"
 
 #include <algorithm>
 
