@@ -1,20 +1,20 @@
 // Puts the page together.
 
-import { Banner } from './banner.js';
-import { exposeDiagnostics } from './diagnostics.js';
-import { DisplayError } from './display.js';
-import { el, iconButton, setText } from './dom.js';
-import { EffectsPanel } from './effects_panel.js';
-import { HelpDialog } from './help.js';
-import { attachKeyboard, attachPointers } from './input.js';
-import { Panel } from './panel.js';
-import { PartitionView } from './partition_view.js';
-import { MIME_TYPES, type Frame } from './frame.js';
-import { displayName, fileName } from './scene_name.js';
-import { SettingsPanel, storedResolutionMode } from './settings_panel.js';
-import { StatsPanel } from './stats_panel.js';
-import { Toasts } from './toast.js';
-import { Dock, SceneBar } from './toolbar.js';
+import { Banner } from './page/banner.js';
+import { exposeDiagnostics } from './page/diagnostics.js';
+import { DisplayError } from './picture/display.js';
+import { el, iconButton, setText } from './page/dom.js';
+import { EffectsPanel } from './panels/effects/effects_panel.js';
+import { HelpDialog } from './page/help.js';
+import { attachKeyboard, attachPointers } from './camera/input.js';
+import { Panel } from './panels/panel.js';
+import { PartitionView } from './panels/partition/partition_view.js';
+import { MIME_TYPES, type Frame } from './wire/frame.js';
+import { displayName, fileName } from './page/scene_name.js';
+import { SettingsPanel, storedResolutionMode } from './panels/settings/settings_panel.js';
+import { StatsPanel } from './panels/statistics/stats_panel.js';
+import { Toasts } from './page/toast.js';
+import { Dock, SceneBar } from './page/toolbar.js';
 import { Viewer } from './viewer.js';
 
 const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg' } as const;

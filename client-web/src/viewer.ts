@@ -2,12 +2,12 @@
 // after a reconnect, acknowledge every frame, newest input wins). The panels read `state` and hear of changes by
 // topic.
 
-import { CameraController } from './camera_controller.js';
-import type { Camera } from './camera.js';
-import { Display, type Presentation } from './display.js';
-import { EffectCostModel } from './effect_costs.js';
-import { pictureBox, placeInPicture } from './picture_box.js';
-import { parseFrame, ProtocolError, type Frame } from './frame.js';
+import { CameraController } from './camera/camera_controller.js';
+import type { Camera } from './camera/camera.js';
+import { Display, type Presentation } from './picture/display.js';
+import { EffectCostModel } from './panels/effects/effect_costs.js';
+import { pictureBox, placeInPicture } from './picture/picture_box.js';
+import { parseFrame, ProtocolError, type Frame } from './wire/frame.js';
 import {
   parseMessage,
   PROTOCOL,
@@ -18,14 +18,14 @@ import {
   type ServerMessage,
   type SettingValue,
   type SettingValues,
-} from './protocol.js';
-import { pictureSize, type ResolutionMode } from './resolution.js';
-import { SettingsModel } from './settings_model.js';
-import { ShownPartition } from './shown_partition.js';
+} from './wire/protocol.js';
+import { pictureSize, type ResolutionMode } from './picture/resolution.js';
+import { SettingsModel } from './panels/settings/settings_model.js';
+import { ShownPartition } from './panels/partition/shown_partition.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
-import type { PictureFormat } from './viewer_message.js';
-import { StreamMeter } from './stream_meter.js';
-import { Connection, socketUrl, tokenOf, type ConnectionState } from './socket.js';
+import type { PictureFormat } from './wire/viewer_message.js';
+import { StreamMeter } from './picture/stream_meter.js';
+import { Connection, socketUrl, tokenOf, type ConnectionState } from './wire/socket.js';
 
 /** After a reconnect: the scene that was shown before, and the server's words on others meanwhile. */
 interface Restoring {

@@ -1,9 +1,9 @@
 // What the panels read of a viewer's session, and by which names they hear of changes.
 
-import type { Frame } from './frame.js';
-import type { Hello, PathResult, SceneMessage, SceneReady, Stats } from './protocol.js';
-import type { PictureSize, ResolutionMode } from './resolution.js';
-import type { ConnectionState } from './socket.js';
+import type { Frame } from './wire/frame.js';
+import type { Hello, PathResult, SceneMessage, SceneReady, Stats } from './wire/protocol.js';
+import type { PictureSize, ResolutionMode } from './picture/resolution.js';
+import type { ConnectionState } from './wire/socket.js';
 
 export type Topic =
   | 'connection'

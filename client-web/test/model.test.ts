@@ -1,14 +1,14 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { chartTop } from '../src/chart.js';
-import { bytes, count, percent, settingNumber, whole } from '../src/format.js';
-import { MotionToPhoton, RateMeter, Window } from '../src/latency.js';
-import type { SettingRow } from '../src/protocol.js';
-import { pictureSize } from '../src/resolution.js';
-import { fileName } from '../src/scene_name.js';
-import { SettingsModel } from '../src/settings_model.js';
-import { fromSlider, SLIDER_STEPS, stepped, toSlider } from '../src/slider_scale.js';
-import { backoffDelay, socketUrl, tokenOf } from '../src/socket.js';
+import { chartTop } from '../src/panels/statistics/chart.js';
+import { bytes, count, percent, settingNumber, whole } from '../src/page/format.js';
+import { MotionToPhoton, RateMeter, Window } from '../src/picture/latency.js';
+import type { SettingRow } from '../src/wire/protocol.js';
+import { pictureSize } from '../src/picture/resolution.js';
+import { fileName } from '../src/page/scene_name.js';
+import { SettingsModel } from '../src/panels/settings/settings_model.js';
+import { fromSlider, SLIDER_STEPS, stepped, toSlider } from '../src/panels/settings/slider_scale.js';
+import { backoffDelay, socketUrl, tokenOf } from '../src/wire/socket.js';
 
 function row(name: string, type: SettingRow['type'], preset: SettingRow['default'], low = 0, high = 0): SettingRow {
   return {

@@ -1,4 +1,4 @@
-// Bundles test/*.test.ts and runs them with node's own test runner.
+// Bundles the .test.ts files of test/ and its folders, and runs them with node's own test runner.
 
 import { build } from 'esbuild';
 import { spawnSync } from 'node:child_process';
@@ -8,11 +8,18 @@ import { fileURLToPath } from 'node:url';
 
 const root = join(dirname(fileURLToPath(import.meta.url)), '..');
 const out = join(root, '.test');
-const names = readdirSync(join(root, 'test')).filter((name) => name.endsWith('.test.ts'));
+const rooms = readdirSync(join(root, 'test'), { withFileTypes: true }).filter((entry) => entry.isDirectory());
+const folders = ['.', ...rooms.map((entry) => entry.name)];
+const names = folders.flatMap((folder) =>
+  readdirSync(join(root, 'test', folder))
+    .filter((name) => name.endsWith('.test.ts'))
+    .map((name) => join(folder, name)),
+);
 
 await build({
   entryPoints: names.map((name) => join(root, 'test', name)),
   outdir: out,
+  outbase: join(root, 'test'),
   outExtension: { '.js': '.mjs' },
   bundle: true,
   format: 'esm',

@@ -1,0 +1,87 @@
+// What the viewer waits for: a lost connection, a scene that loads; and how a benchmark path ended.
+
+import { el, icon, setText } from './dom.js';
+import { compact } from './format.js';
+import type { PathResult } from '../wire/protocol.js';
+import { displayName } from './scene_name.js';
+import type { Viewer } from '../viewer.js';
+
+export class Banner {
+  readonly element = el('div', { class: 'banner', hidden: true });
+  private readonly title_ = el('strong');
+  private readonly text_ = el('span', { class: 'banner-text' });
+  private readonly progress_ = el('progress', { max: 1 });
+  private readonly button_ = el('button', { type: 'button', class: 'wide-button' });
+  private act_: () => void = () => undefined;
+  private closedResult_: PathResult | null = null;
+
+  /** `announce` tells assistive technology of a change, without the running figures. */
+  constructor(
+    private readonly viewer_: Viewer,
+    private readonly announce_: (text: string) => void,
+  ) {
+    this.element.append(el('div', { class: 'banner-words' }, this.title_, this.text_), this.progress_, this.button_);
+    this.button_.addEventListener('click', () => this.act_());
+    viewer_.on(['connection', 'scene', 'path'], () => this.refresh());
+    window.setInterval(() => {
+      if (viewer_.state.connection.name === 'waiting') this.refresh();
+    }, 250);
+    this.refresh();
+  }
+
+  private refresh(): void {
+    const { connection, scene, pathPlaying, pathResult, ready } = this.viewer_.state;
+    this.element.classList.toggle('waiting', ready === null);
+    if (connection.name !== 'open') return this.connection();
+    if (scene?.state === 'loading') return this.loading(displayName(scene.name), scene.what, scene.share);
+    if (scene === null) return this.show('Connected', 'waiting for the scene', null);
+    if (!pathPlaying && pathResult !== null && pathResult !== this.closedResult_) return this.result(pathResult);
+    this.element.hidden = true;
+  }
+
+  private connection(): void {
+    const state = this.viewer_.state.connection;
+    const first = this.viewer_.state.hello === null;
+    if (state.name === 'stopped') return this.show('Not connected', state.reason, null);
+    if (state.name === 'connecting')
+      return this.show(first ? 'Connecting' : 'Connection lost', first ? 'to the server' : 'trying again now', null);
+    if (state.name !== 'waiting') return;
+    const seconds = Math.max(0, Math.ceil((state.retryAt - performance.now()) / 1000));
+    const reason = state.reason === '' ? '' : ` (${state.reason})`;
+    const title = first ? 'The server does not answer' : 'Connection lost';
+    this.show(title + reason, `trying again in ${seconds} s`, null, 'Try now', () => this.viewer_.connect());
+  }
+
+  private loading(name: string, what: string, share: number): void {
+    this.show(`Loading ${name}`, what, share);
+  }
+
+  private result(result: PathResult): void {
+    const text =
+      `${result.frames} frames · ${compact(result.msMedian)} ms median · ${compact(result.msP95)} ms 95 % · ` +
+      `${compact(result.fpsMean)} /s mean · ${compact(result.fpsMin)} /s least`;
+    this.show('Benchmark path ended', text, null, 'Close', () => {
+      this.closedResult_ = result;
+      this.refresh();
+    });
+  }
+
+  private show(
+    title: string,
+    text: string,
+    share: number | null,
+    action = '',
+    act: () => void = () => undefined,
+  ): void {
+    if (this.element.hidden || this.title_.textContent !== title) this.announce_(`${title}. ${text}`);
+    setText(this.title_, title);
+    setText(this.text_, text);
+    this.progress_.hidden = share === null;
+    this.progress_.value = share ?? 0;
+    this.button_.hidden = action === '';
+    if (this.button_.textContent !== action)
+      this.button_.replaceChildren(action === 'Close' ? icon('close') : '', action);
+    this.act_ = act;
+    this.element.hidden = false;
+  }
+}

@@ -1,0 +1,71 @@
+// `window.heliograph`: what the page knows, to be read by tests and in the browser's console (docs/client.md). Read-
+// only.
+
+import type { Viewer } from '../viewer.js';
+
+export interface Diagnostics {
+  readonly connected: boolean;
+  readonly connection: string;
+  readonly server: string | null; // its version
+  readonly scene: { readonly name: string; readonly state: string } | null;
+  readonly lastFrame: {
+    readonly frameId: number;
+    readonly inputId: number;
+    readonly samples: number;
+    readonly width: number;
+    readonly height: number;
+    readonly final: boolean;
+    readonly devices: readonly string[]; // that took part
+  } | null;
+  readonly partition: { readonly frameId: number; readonly devices: readonly string[] } | null; // on the picture
+  readonly lastInputId: number;
+  readonly framesPresented: number;
+  readonly framesDropped: number;
+  readonly motionToPhotonMs: { readonly median: number | null; readonly p95: number | null };
+  readonly settings: Readonly<Record<string, unknown>>; // as the server last said
+  readonly camera: unknown;
+  readonly pathPlaying: boolean;
+}
+
+declare global {
+  interface Window {
+    readonly heliograph: { readonly state: Diagnostics };
+  }
+}
+
+export function exposeDiagnostics(viewer: Viewer): void {
+  const read = (): Diagnostics => {
+    const { state, settings, controller } = viewer;
+    const { motionToPhoton } = viewer.stream;
+    const frame = state.lastFrame;
+    const { shown } = viewer.partition;
+    return Object.freeze({
+      connected: state.connection.name === 'open' && state.hello !== null,
+      connection: state.connection.name,
+      server: state.hello?.server ?? null,
+      scene: state.scene === null ? null : { name: state.scene.name, state: state.scene.state },
+      lastFrame:
+        frame === null
+          ? null
+          : {
+              frameId: frame.frameId,
+              inputId: frame.inputId,
+              samples: frame.samples,
+              width: frame.width,
+              height: frame.height,
+              final: frame.final,
+              devices: [...frame.devices],
+            },
+      partition: shown === null ? null : { frameId: shown.partition.frameId, devices: [...shown.partition.devices] },
+      lastInputId: state.lastInputId,
+      framesPresented: state.framesPresented,
+      framesDropped: state.framesDropped,
+      motionToPhotonMs: { median: motionToPhoton.window.quantile(0.5), p95: motionToPhoton.window.quantile(0.95) },
+      settings: Object.fromEntries(settings.rows.map((row) => [row.name, settings.confirmed(row.name)])),
+      camera: structuredClone(controller.camera),
+      pathPlaying: state.pathPlaying,
+    });
+  };
+  const diagnostics = Object.freeze(Object.defineProperty({}, 'state', { get: read, enumerable: true }));
+  Object.defineProperty(window, 'heliograph', { value: diagnostics, writable: false });
+}

@@ -1,0 +1,71 @@
+// What the effects panel says of each effect: whether the scene calls for it, whether the viewer allows it, what it did
+// and what it costs. Knows no DOM.
+
+import type { Numbers } from '../../wire/fields.js';
+import { compact, count } from '../../page/format.js';
+import type { EffectCost, EffectReason, SettingRow, SettingValue } from '../../wire/protocol.js';
+import { spacedWords } from '../../page/scene_name.js';
+
+/** Kinds of rays in `stats` that one effect alone shoots. */
+const RAY_KINDS: Readonly<Record<string, string>> = {
+  shadows: 'shadow',
+  ambientOcclusion: 'ambient_occlusion',
+  reflections: 'reflection',
+  refractions: 'refraction',
+};
+
+export interface EffectRow {
+  readonly name: string;
+  readonly label: string;
+  readonly help: string;
+  readonly calledFor: boolean;
+  readonly because: string;
+  readonly simulated: boolean;
+  /** The setting that allows it; null: nothing can forbid it. */
+  readonly setting: SettingRow | null;
+}
+
+/** One row per effect, those that the scene calls for first, else in the server's order. */
+export function effectRows(effects: readonly EffectReason[], schema: readonly SettingRow[]): readonly EffectRow[] {
+  const rows = effects.map((effect) => {
+    const { name, calledFor, because, help, simulated } = effect;
+    // An older server names no setting: the switch of an effect bears the effect's name.
+    const setting = schema.find((row) => row.name === (effect.setting ?? name)) ?? null;
+    const own = setting !== null && setting.name === name && setting.type === 'bool';
+    return { name, label: own ? setting.label : capitalised(spacedWords(name)), help, calledFor, because, simulated, setting };
+  });
+  return [...rows.filter((row) => row.calledFor), ...rows.filter((row) => !row.calledFor)];
+}
+
+const capitalised = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
+
+/** Whether a setting with this value lets its effect happen: a switch that is on, a number above 0. */
+export const allows = (value: SettingValue | undefined): boolean => value !== false && value !== 0;
+
+/** Whether an effect takes place, and why. */
+export function effectState(row: EffectRow, allowed: boolean): string {
+  const because = row.because === '' ? '' : `: ${row.because}`;
+  if (!row.calledFor) return `off${because}`;
+  if (!row.simulated) return `not simulated${because}`;
+  return allowed ? `on${because}` : `switched off, the scene calls for it${because}`;
+}
+
+/**
+ * Rays of the last pass and measured cost, as far as they are known. `scale`: pixels of the view over those that were
+ * measured.
+ */
+export function effectFigures(row: EffectRow, rays: Numbers | null, cost: EffectCost | null, scale = 1): string {
+  const kind = RAY_KINDS[row.name];
+  const shot = kind === undefined || rays === null ? undefined : rays[kind];
+  const rayCount = (value: number): string => `${count(value)} ${value === 1 ? 'ray' : 'rays'}`;
+  const parts = shot === undefined ? [] : [rayCount(shot)];
+  if (cost !== null) {
+    const more = Math.round(scale * (cost.raysOn - cost.raysOff));
+    const digits = (ms: number): string => compact(scale * ms, 2);
+    const about = scale > 1 ? 'about ' : '';
+    const both = `${digits(cost.onMs)} with, ${digits(cost.offMs)} without`;
+    parts.push(`costs ${about}${digits(cost.onMs - cost.offMs)} ms (${both})`);
+    if (more !== 0) parts.push(`${rayCount(Math.abs(more))} ${more > 0 ? 'more' : 'fewer'}`);
+  }
+  return parts.join(' · ');
+}

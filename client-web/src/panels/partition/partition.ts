@@ -1,0 +1,167 @@
+// Who made which cell of a frame: reading the message of docs/protocol.md, and the geometry of its display. Knows no DOM.
+
+import type { Fields } from '../../wire/fields.js';
+import { listOf } from '../../wire/fields.js';
+import { percent } from '../../page/format.js';
+import { ProtocolError } from '../../wire/frame.js';
+import { isNewer } from '../../picture/frame_queue.js';
+import { busyShare, timelineOf, timelineRows, type Timeline, type TimelineRow } from './timeline.js';
+
+/** In `owners`: no device. */
+export const NOBODY = 255;
+const MOST_DEVICES = 36; // one base-36 digit
+const LARGEST_SIDE = 65_535; // pixels, as a frame's header has them
+
+export interface Partition {
+  readonly type: 'partition';
+  readonly frameId: number;
+  readonly width: number; // rendered pixels
+  readonly height: number;
+  readonly cellWidth: number; // pixels
+  readonly cellHeight: number;
+  readonly columns: number;
+  readonly rows: number;
+  readonly devices: readonly string[];
+  readonly owners: Uint8Array; // per cell, row by row: index into devices, or NOBODY
+  readonly timeline: Timeline | null;
+}
+
+/** Throws ProtocolError naming field, found value and what is allowed. */
+export function partitionOf(fields: Fields): Partition {
+  const whole = (name: string, low: number, high: number): number => {
+    const value = fields[name];
+    if (typeof value === 'number' && Number.isInteger(value) && value >= low && value <= high) return value;
+    throw new ProtocolError(`partition.${name}: ${JSON.stringify(value)}, allowed: ${low} to ${high}`);
+  };
+  const [width, height] = [whole('width', 1, LARGEST_SIDE), whole('height', 1, LARGEST_SIDE)];
+  const [cellWidth, cellHeight] = [whole('cellWidth', 1, LARGEST_SIDE), whole('cellHeight', 1, LARGEST_SIDE)];
+  const columns = Math.ceil(width / cellWidth);
+  const rows = Math.ceil(height / cellHeight);
+  const devices = listOf(fields['devices']).map(String);
+  if (devices.length > MOST_DEVICES) {
+    throw new ProtocolError(`partition.devices: ${devices.length}, allowed: at most ${MOST_DEVICES}`);
+  }
+  return {
+    type: 'partition',
+    frameId: whole('frameId', 0, 0xffffffff),
+    width,
+    height,
+    cellWidth,
+    cellHeight,
+    columns,
+    rows,
+    devices,
+    owners: ownersOf(fields['cells'], columns * rows, devices.length),
+    timeline: timelineOf(fields['timeline']),
+  };
+}
+
+function ownersOf(cells: unknown, count: number, devices: number): Uint8Array {
+  if (typeof cells !== 'string' || cells.length !== count) {
+    const found = typeof cells === 'string' ? `${cells.length} cells` : JSON.stringify(cells);
+    throw new ProtocolError(`partition.cells: ${found}, allowed: ${count} cells`);
+  }
+  const owners = new Uint8Array(count);
+  for (let i = 0; i < count; i += 1) {
+    const digit = cells[i]!;
+    const owner = digit === '.' ? NOBODY : /[0-9a-z]/.test(digit) ? Number.parseInt(digit, 36) : NaN;
+    if (owner !== NOBODY && !(owner < devices)) {
+      throw new ProtocolError(`partition.cells[${i}]: "${digit}", allowed: "." or a digit below ${devices}`);
+    }
+    owners[i] = owner;
+  }
+  return owners;
+}
+
+/** Share of the picture's pixels, 0..1, of each device in their order, and of nobody as the last entry. */
+export function pixelShares(partition: Partition): readonly number[] {
+  const { columns, rows, cellWidth, cellHeight, width, height, owners, devices } = partition;
+  const pixels = new Array<number>(devices.length + 1).fill(0);
+  for (let row = 0; row < rows; row += 1) {
+    const tall = Math.min(cellHeight, height - row * cellHeight);
+    for (let column = 0; column < columns; column += 1) {
+      const wide = Math.min(cellWidth, width - column * cellWidth);
+      const owner = owners[row * columns + column]!;
+      pixels[owner === NOBODY ? devices.length : owner]! += wide * tall;
+    }
+  }
+  return pixels.map((count) => count / (width * height));
+}
+
+/** A straight line between cells of different devices, in rendered pixels. */
+export interface BorderLine {
+  readonly x0: number;
+  readonly y0: number;
+  readonly x1: number;
+  readonly y1: number;
+}
+
+/** The lines between cells of different devices; neighbours on one line are joined. */
+export function borderLines(partition: Partition): readonly BorderLine[] {
+  const { columns, rows, cellWidth, cellHeight, width, height, owners } = partition;
+  const lines: BorderLine[] = [];
+  const runs = (count: number, differs: (i: number) => boolean, add: (begin: number, end: number) => void): void => {
+    let begin = -1;
+    for (let i = 0; i <= count; i += 1) {
+      const on = i < count && differs(i);
+      if (on && begin < 0) begin = i;
+      if (on || begin < 0) continue;
+      add(begin, i);
+      begin = -1;
+    }
+  };
+  for (let column = 1; column < columns; column += 1) {
+    const differs = (row: number): boolean => owners[row * columns + column - 1] !== owners[row * columns + column];
+    const x = column * cellWidth;
+    runs(rows, differs, (begin, end) =>
+      lines.push({ x0: x, y0: begin * cellHeight, x1: x, y1: Math.min(height, end * cellHeight) }),
+    );
+  }
+  for (let row = 1; row < rows; row += 1) {
+    const differs = (column: number): boolean =>
+      owners[(row - 1) * columns + column] !== owners[row * columns + column];
+    const y = row * cellHeight;
+    runs(columns, differs, (begin, end) =>
+      lines.push({ x0: begin * cellWidth, y0: y, x1: Math.min(width, end * cellWidth), y1: y }),
+    );
+  }
+  return lines;
+}
+
+/** The partition in sentences, for those who do not see it. */
+export function describePartition(partition: Partition): string {
+  const shares = pixelShares(partition);
+  const { timeline } = partition;
+  const rows = timeline === null ? [] : timelineRows(timeline);
+  const sentences = partition.devices.map((device, index) => {
+    const tracks = rows.filter((row) => row.device === device).flatMap((row) => row.tracks);
+    const all: TimelineRow = { device, label: device, tracks };
+    const workers = `${tracks.length} ${tracks.length === 1 ? 'worker' : 'workers'}`;
+    const busy =
+      timeline === null || tracks.length === 0 ? '' : `, ${workers}, busy ${percent(busyShare(all, timeline.ms))}`;
+    return `${device}: ${percent(shares[index]!)} of the picture${busy}.`;
+  });
+  if (timeline !== null) sentences.unshift(`The frame took ${timeline.ms.toFixed(1)} ms.`);
+  return sentences.join(' ');
+}
+
+/** Partitions that wait for their frames. */
+export class PartitionStore {
+  private waiting_: readonly Partition[] = [];
+
+  put(partition: Partition): void {
+    // No more frames than this are ever on their way; what is older has lost its frame.
+    this.waiting_ = [...this.waiting_.filter((entry) => entry.frameId !== partition.frameId), partition].slice(-8);
+  }
+
+  /** The one that came with this frame, or null; it and all older ones are forgotten. */
+  take(frameId: number): Partition | null {
+    const found = this.waiting_.find((entry) => entry.frameId === frameId) ?? null;
+    this.waiting_ = this.waiting_.filter((entry) => isNewer(entry.frameId, frameId));
+    return found;
+  }
+
+  clear(): void {
+    this.waiting_ = [];
+  }
+}

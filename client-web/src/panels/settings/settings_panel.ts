@@ -1,0 +1,194 @@
+// The settings panel, built from the server's table. What the page itself rules (field of view, picture size) stands
+// among the rest.
+
+import { FIELD_OF_VIEW_HIGH, FIELD_OF_VIEW_LOW } from '../../camera/camera.js';
+import { el, icon } from '../../page/dom.js';
+import { HYBRID_ROWS, withoutUse } from './hybrid_rows.js';
+import type { Panel } from '../panel.js';
+import type { SettingRow } from '../../wire/protocol.js';
+import { RESOLUTION_MODES, type ResolutionMode } from '../../picture/resolution.js';
+import { SettingField } from './settings_field.js';
+import { recall, remember } from '../../page/storage.js';
+import type { Viewer } from '../../viewer.js';
+
+/** Rows without an effect that are about the picture; the others without one are about the renderer. */
+const PICTURE_ROWS: readonly string[] = ['renderScale', 'samples', 'exposure', 'toneCurve', 'jpegQuality'];
+
+/** Folded until the viewer opens them. */
+const FOLDED_GROUPS: readonly string[] = ['renderer', 'hybrid'];
+
+const FIELD_OF_VIEW_ROW: SettingRow = {
+  name: 'fieldOfView',
+  type: 'float',
+  default: 60,
+  low: FIELD_OF_VIEW_LOW,
+  high: FIELD_OF_VIEW_HIGH,
+  unit: 'deg',
+  label: 'Field of view',
+  effect: '',
+  price: '',
+  help: 'Vertical opening angle of the camera. Keys T and G change it too.',
+  choices: [],
+};
+
+export class SettingsPanel {
+  private readonly fields_ = new Map<string, SettingField>();
+  private fieldOfView_: SettingField | null = null;
+  private fieldOfViewRow_ = FIELD_OF_VIEW_ROW;
+  private resolution_ = el('span', { class: 'resolution' });
+
+  constructor(
+    private readonly panel_: Panel,
+    private readonly viewer_: Viewer,
+  ) {
+    panel_.body.append(el('p', { class: 'muted' }, 'The settings appear when the server answers.'));
+    viewer_.on(['hello'], () => this.build());
+    viewer_.on(['settings'], () => this.refresh());
+    viewer_.on(['scene'], () => this.noteEffects());
+    viewer_.on(['camera'], () => this.refreshCamera());
+    viewer_.on(['resolution'], () => this.refreshResolution());
+  }
+
+  private build(): void {
+    const schema = this.viewer_.state.hello?.schema ?? [];
+    const rows = this.viewer_.settings.rows;
+    this.fields_.clear();
+    this.fieldOfViewRow_ = { ...FIELD_OF_VIEW_ROW, ...schema.find((row) => row.name === FIELD_OF_VIEW_ROW.name) };
+    const group = (filter: (row: SettingRow) => boolean): HTMLElement[] =>
+      rows.filter(filter).map((row) => this.field(row).element);
+    const picture = [this.cameraField(), this.resolutionField(), ...group((row) => PICTURE_ROWS.includes(row.name))];
+    const isEffect = (row: SettingRow): boolean => row.effect !== '';
+    const isHybrid = (row: SettingRow): boolean => HYBRID_ROWS.includes(row.name);
+    const hybrid = group(isHybrid);
+    this.panel_.body.replaceChildren(
+      this.group('picture', 'Picture', picture),
+      this.group('effects', 'Effects', group(isEffect)),
+      this.group(
+        'renderer',
+        'Renderer',
+        group((row) => !isEffect(row) && !isHybrid(row) && !PICTURE_ROWS.includes(row.name)),
+      ),
+      ...(hybrid.length > 0 ? [this.group('hybrid', 'Hybrid', hybrid)] : []),
+      this.resetButton(),
+    );
+    this.refresh();
+    this.noteEffects();
+    this.refreshCamera();
+    this.refreshResolution();
+  }
+
+  private group(name: string, title: string, fields: readonly HTMLElement[]): HTMLElement {
+    const key = `group.${name}`;
+    const stored = recall(key);
+    const open = stored === null ? !FOLDED_GROUPS.includes(name) : stored === 'open';
+    const details = el(
+      'details',
+      { open },
+      el('summary', {}, el('span', {}, title), icon('chevron')),
+      el('div', { class: 'fields' }, ...fields),
+    );
+    details.addEventListener('toggle', () => remember(key, details.open ? 'open' : 'folded'));
+    return details;
+  }
+
+  private field(row: SettingRow): SettingField {
+    const field = new SettingField(row, {
+      changed: (value) => this.viewer_.setSettings({ [row.name]: value }),
+      invalid: (message) => {
+        this.viewer_.settings.reject(row.name, message);
+        this.refresh();
+      },
+    });
+    // The switch of an effect bears the effect's name; what depends on it is indented.
+    if (row.effect !== '' && row.type !== 'bool') field.element.classList.add('dependent');
+    this.fields_.set(row.name, field);
+    return field;
+  }
+
+  private cameraField(): HTMLElement {
+    const row = this.fieldOfViewRow_;
+    const field: SettingField = new SettingField(row, {
+      changed: (value) => {
+        const allowed = typeof value === 'number' && value >= row.low && value <= row.high;
+        field.setError(allowed ? null : `fieldOfView: ${String(value)}, allowed: ${row.low} to ${row.high}`);
+        if (allowed) this.viewer_.controller.setFieldOfView(value, performance.now());
+        else this.refreshCamera();
+      },
+      invalid: (message) => field.setError(message),
+      preset: () => this.presetFieldOfView(),
+    });
+    this.fieldOfView_ = field;
+    return field.element;
+  }
+
+  private resolutionField(): HTMLElement {
+    const options = RESOLUTION_MODES.map(({ mode, label }) => el('option', { value: mode }, label));
+    const select = el('select', { id: 'resolution-mode' }, ...options);
+    select.value = this.viewer_.state.resolutionMode;
+    select.addEventListener('change', () => {
+      const chosen = RESOLUTION_MODES.find(({ mode }) => mode === select.value);
+      if (chosen === undefined) return;
+      remember('resolution', chosen.mode);
+      this.viewer_.setResolutionMode(chosen.mode);
+    });
+    const label = el('label', { for: 'resolution-mode' }, 'Picture size');
+    const head = el('div', { class: 'field-head' }, label, el('span', { class: 'spacer' }), this.resolution_);
+    return el('div', { class: 'field', 'data-setting': 'resolution' }, head, select);
+  }
+
+  private resetButton(): HTMLElement {
+    const button = el('button', { type: 'button', class: 'wide-button' }, icon('reset'), 'Reset to defaults');
+    button.addEventListener('click', () => this.viewer_.setSettings(this.viewer_.settings.defaults()));
+    return button;
+  }
+
+  private refresh(): void {
+    const model = this.viewer_.settings;
+    for (const row of model.rows) {
+      const field = this.fields_.get(row.name);
+      const value = model.value(row.name);
+      if (field === undefined || value === undefined) continue;
+      field.show(value, model.isDefault(row));
+      field.setError(model.error(row.name));
+      const switchedOff = row.effect !== '' && row.type !== 'bool' && model.value(row.effect) === false;
+      field.element.classList.toggle('idle', switchedOff);
+      if (HYBRID_ROWS.includes(row.name)) this.refreshHybrid(row, field);
+    }
+  }
+
+  private refreshHybrid(row: SettingRow, field: SettingField): void {
+    const reason = withoutUse(row.name, (name) => this.viewer_.settings.value(name));
+    field.setNote(reason);
+    field.element.classList.toggle('idle', reason !== null);
+    if (row.name === 'hybridShare') field.setDisabled(reason !== null);
+  }
+
+  private noteEffects(): void {
+    const effects = this.viewer_.state.ready?.effects ?? [];
+    for (const row of this.viewer_.settings.rows) {
+      if (row.effect === '' || row.type !== 'bool') continue;
+      const reason = effects.find((effect) => effect.name === row.effect);
+      const idle = reason !== undefined && !reason.calledFor;
+      this.fields_.get(row.name)?.setNote(idle ? `No use in this scene: ${reason.because}` : null);
+    }
+  }
+
+  private refreshCamera(): void {
+    const angle = this.viewer_.controller.camera.fieldOfView;
+    this.fieldOfView_?.show(Number(angle.toPrecision(3)), Math.abs(angle - this.presetFieldOfView()) < 0.05);
+  }
+
+  private presetFieldOfView(): number {
+    return this.viewer_.state.ready?.camera.fieldOfView ?? 60;
+  }
+
+  private refreshResolution(): void {
+    const { width, height } = this.viewer_.state.resolution;
+    this.resolution_.textContent = `${width} × ${height} px`;
+  }
+}
+
+/** The mode that was chosen last time in this browser. */
+export function storedResolutionMode(): ResolutionMode {
+  return RESOLUTION_MODES.find(({ mode }) => mode === recall('resolution'))?.mode ?? 'capped';
+}

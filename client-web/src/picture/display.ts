@@ -1,0 +1,87 @@
+// Shows frames on the canvas: decoded off the main thread by createImageBitmap, handed to the canvas without a copy, at
+// most one per animation frame.
+
+import { FrameQueue } from './frame_queue.js';
+import { MIME_TYPES, type Frame } from '../wire/frame.js';
+
+export interface Presentation {
+  readonly frame: Frame;
+  readonly decodeMs: number;
+  readonly time: number; // performance.now() when the browser had taken the picture for its next refresh
+}
+
+export interface DisplayHooks {
+  /** In the animation frame that puts the picture on the canvas. */
+  drawn(frame: Frame): void;
+  presented(presentation: Presentation): void;
+  dropped(frame: Frame, reason: 'newer' | 'undecodable'): void;
+}
+
+/** The canvas cannot show pictures in this browser. */
+export class DisplayError extends Error {}
+
+export class Display {
+  private readonly context_: ImageBitmapRenderingContext;
+  private readonly queue_: FrameQueue<ImageBitmap>;
+  private readonly afterPaint_ = new MessageChannel();
+  private shown_: Omit<Presentation, 'time'>[] = [];
+
+  constructor(
+    private readonly canvas_: HTMLCanvasElement,
+    hooks: DisplayHooks,
+  ) {
+    const context = canvas_.getContext('bitmaprenderer', { alpha: false });
+    if (context === null) throw new DisplayError('This browser cannot draw decoded pictures on a canvas.');
+    this.context_ = context;
+    this.queue_ = new FrameQueue<ImageBitmap>({
+      decode: (frame) => createImageBitmap(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] })),
+      schedule: () => this.schedule(),
+      draw: (image, frame, decodeMs) => {
+        this.draw(image, frame, decodeMs);
+        hooks.drawn(frame);
+      },
+      dropped: hooks.dropped,
+      now: () => performance.now(),
+    });
+    document.addEventListener('visibilitychange', () => {
+      if (document.hidden) this.queue_.present();
+    });
+    // A message posted from an animation frame arrives after the page has been laid out and painted.
+    this.afterPaint_.port1.onmessage = () => {
+      const time = performance.now();
+      const shown = this.shown_;
+      this.shown_ = [];
+      for (const presentation of shown) hooks.presented({ ...presentation, time });
+    };
+  }
+
+  /**
+   * A hidden page gets no animation frames; a timer, which browsers then slow down to about 1/s, keeps it
+   * acknowledging.
+   */
+  private schedule(): void {
+    if (document.hidden) window.setTimeout(() => this.queue_.present(), 0);
+    else requestAnimationFrame(() => this.queue_.present());
+  }
+
+  push(frame: Frame): void {
+    void this.queue_.push(frame);
+  }
+
+  /** To be called when a connection ends: frame ids begin anew with the next one. */
+  reset(): void {
+    this.queue_.reset();
+    this.shown_ = [];
+  }
+
+  private draw(image: ImageBitmap, frame: Frame, decodeMs: number): void {
+    // The canvas keeps its own size and would squeeze the picture into it.
+    if (this.canvas_.width !== image.width || this.canvas_.height !== image.height) {
+      this.canvas_.width = image.width;
+      this.canvas_.height = image.height;
+    }
+    this.context_.transferFromImageBitmap(image);
+    this.shown_.push({ frame, decodeMs });
+    this.afterPaint_.port2.postMessage(null);
+  }
+}

@@ -1,0 +1,30 @@
+// What is measured of the stream of pictures: rates, delays, and the newest frames with their times. Knows no DOM.
+
+import type { Frame } from '../wire/frame.js';
+import { MotionToPhoton, RateMeter, Window } from './latency.js';
+
+const PAUSE = 1000; // ms
+const STAGES_KEPT = 30; // frames
+
+export class StreamMeter {
+  readonly motionToPhoton = new MotionToPhoton(240);
+  readonly frameIntervals = new Window(120); // ms between presented frames
+  readonly decodeMs = new Window(STAGES_KEPT);
+  readonly roundTrips = new Window(5); // ms
+  readonly presentedRate = new RateMeter(1000);
+  readonly receivedRate = new RateMeter(2000); // bytes
+  readonly recentFrames: Frame[] = []; // newest last, at most STAGES_KEPT
+  lastPresentedAt = -Infinity; // ms, the clock of `presented`
+
+  /** A frame is on the screen since `time`; answers its motion to photon, or null where it shows no new input. */
+  presented(frame: Frame, decodeMs: number, time: number): number | null {
+    this.decodeMs.push(decodeMs);
+    this.recentFrames.push(frame);
+    if (this.recentFrames.length > STAGES_KEPT) this.recentFrames.shift();
+    this.presentedRate.push(time, 1);
+    // A pause between inputs is no slow frame.
+    if (time - this.lastPresentedAt < PAUSE) this.frameIntervals.push(time - this.lastPresentedAt);
+    this.lastPresentedAt = time;
+    return this.motionToPhoton.presented(frame.inputId, time);
+  }
+}

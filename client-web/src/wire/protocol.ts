@@ -1,0 +1,395 @@
+// The server's control messages of docs/protocol.md. What comes from the server is checked here (and in frame.ts), so the rest
+// of the page deals with typed values only.
+
+import type { Bounds, Camera } from '../camera/camera.js';
+import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, type Numbers } from './fields.js';
+import { ProtocolError } from './frame.js';
+import { partitionOf, type Partition } from '../panels/partition/partition.js';
+import type { Vec3 } from '../camera/vector.js';
+
+export const PROTOCOL = 'heliograph.v1';
+export type SettingValue = boolean | number | string;
+export type SettingValues = Readonly<Record<string, SettingValue>>;
+
+export interface SettingRow {
+  readonly name: string;
+  readonly type: 'bool' | 'int' | 'float' | 'choice';
+  readonly default: SettingValue;
+  readonly low: number;
+  readonly high: number;
+  readonly unit: string;
+  readonly label: string;
+  readonly effect: string;
+  readonly price: string; // up, down, on, off or empty: which direction is exact and dearer
+  readonly help: string;
+  readonly choices: readonly string[];
+}
+
+export interface SceneEntry {
+  readonly name: string;
+  readonly description: string;
+}
+
+export interface NamedCamera extends Camera {
+  readonly name: string;
+}
+
+export interface EffectReason {
+  readonly name: string;
+  readonly calledFor: boolean;
+  readonly because: string;
+  readonly setting: string | null; // that switches it
+  readonly help: string;
+  readonly simulated: boolean; // false: the server knows of it, and no device can
+}
+
+/** What an effect costs, measured with and without it. */
+export interface EffectCost {
+  readonly name: string;
+  readonly onMs: number;
+  readonly offMs: number;
+  readonly raysOn: number;
+  readonly raysOff: number;
+}
+
+export interface EffectCosts {
+  readonly type: 'effectCosts';
+  readonly state: 'ready';
+  readonly scene: string;
+  readonly device: string;
+  readonly width: number; // pixels of the picture it was measured with
+  readonly height: number;
+  readonly scale: number; // pixels of the view over those
+  readonly rows: readonly EffectCost[];
+}
+
+export type EffectCostsMessage =
+  | EffectCosts
+  | { readonly type: 'effectCosts'; readonly state: 'measuring'; readonly share: number }
+  | { readonly type: 'effectCosts'; readonly state: 'failed'; readonly what: string };
+
+export interface SceneReady {
+  readonly camera: Camera;
+  readonly cameras: readonly NamedCamera[];
+  readonly paths: readonly string[];
+  readonly bounds: Bounds;
+  readonly radius: number;
+  readonly triangles: number;
+  readonly instances: number;
+  readonly lights: number;
+  readonly warnings: readonly string[];
+  readonly effects: readonly EffectReason[];
+}
+
+export interface Hello {
+  readonly type: 'hello';
+  readonly protocol: string;
+  readonly server: string;
+  readonly viewer: number;
+  readonly schema: readonly SettingRow[];
+  readonly scenes: readonly SceneEntry[];
+  readonly maxUnacked: number;
+}
+
+export interface SceneMessage {
+  readonly type: 'scene';
+  readonly name: string;
+  readonly state: 'loading' | 'ready' | 'failed';
+  readonly what: string; // stage while loading, reason when failed
+  readonly share: number; // 0..1 while loading
+  readonly ready: SceneReady | null;
+}
+
+/** What a device does for the picture. */
+export interface DevicePart {
+  readonly device: string;
+  readonly part: string; // works, probes, parked or lost
+  readonly reason: string;
+  readonly mraysPerSecond: number;
+  readonly share: number; // 0..1 of the last frame's cost
+  readonly idleShare: number; // 0..1 of the last frame's time
+}
+
+export interface SchedulerStats {
+  readonly endLossMs: number; // last finish minus mean finish
+  readonly decisionMs: number;
+  readonly batches: number;
+  readonly reissued: number;
+}
+
+export interface Stats {
+  readonly type: 'stats';
+  readonly device: string;
+  readonly framesPerSecond: number;
+  readonly samples: number;
+  readonly targetSamples: number;
+  readonly relativeError: number;
+  readonly rays: Numbers;
+  readonly mraysPerSecond: number;
+  readonly ms: Numbers;
+  readonly overheadShare: number;
+  readonly tiles: Numbers;
+  readonly parts: readonly DevicePart[]; // empty from an older server
+  readonly scheduler: SchedulerStats | null;
+  readonly viewers: number;
+  readonly residentBytes: number;
+  readonly nonfiniteSamples: number;
+}
+
+export interface PathResult {
+  readonly frames: number;
+  readonly msMean: number;
+  readonly msMedian: number;
+  readonly msP95: number;
+  readonly fpsMean: number;
+  readonly fpsMin: number;
+}
+
+export type ServerMessage =
+  | Hello
+  | SceneMessage
+  | Stats
+  | Partition
+  | EffectCostsMessage
+  | { readonly type: 'settings'; readonly values: SettingValues; readonly inputId: number | null }
+  | { readonly type: 'path'; readonly playing: boolean; readonly result: PathResult | null }
+  | { readonly type: 'notice'; readonly text: string }
+  | { readonly type: 'error'; readonly message: string; readonly about: string; readonly inputId: number | null }
+  | { readonly type: 'pong'; readonly time: number };
+
+const inputIdOf = (value: unknown): number | null => (typeof value === 'number' ? value : null);
+
+function vectorOf(value: unknown, where: string): Vec3 {
+  const [x, y, z] = listOf(value);
+  if (typeof x !== 'number' || typeof y !== 'number' || typeof z !== 'number') {
+    throw new ProtocolError(`${where}: ${JSON.stringify(value)}, allowed: three numbers`);
+  }
+  return [x, y, z];
+}
+
+function cameraOf(value: unknown, where: string): Camera {
+  const fields = fieldsOf(value);
+  return {
+    position: vectorOf(fields['position'], `${where}.position`),
+    forward: vectorOf(fields['forward'], `${where}.forward`),
+    up: vectorOf(fields['up'], `${where}.up`),
+    fieldOfView: numberOf(fields['fieldOfView'], 60),
+  };
+}
+
+function settingValuesOf(value: unknown): SettingValues {
+  const values: Record<string, SettingValue> = {};
+  for (const [name, entry] of Object.entries(fieldsOf(value))) {
+    if (typeof entry === 'boolean' || typeof entry === 'number' || typeof entry === 'string') values[name] = entry;
+  }
+  return values;
+}
+
+function settingRowOf(value: unknown): SettingRow {
+  const fields = fieldsOf(value);
+  const type = fields['type'];
+  const preset = fields['default'];
+  if (type !== 'bool' && type !== 'int' && type !== 'float' && type !== 'choice') {
+    throw new ProtocolError(
+      `hello.schema ${textOf(fields['name'])}: type ${String(type)}, allowed: bool, int, float, choice`,
+    );
+  }
+  const choices = listOf(fields['choices']).map(textOf);
+  // A choice's default may come as the word or as its index.
+  const word = type === 'choice' && typeof preset === 'number' ? choices[preset] : preset;
+  return {
+    name: textOf(fields['name']),
+    type,
+    default: typeof word === 'boolean' || typeof word === 'number' || typeof word === 'string' ? word : 0,
+    low: numberOf(fields['low']),
+    high: numberOf(fields['high']),
+    unit: textOf(fields['unit']),
+    label: textOf(fields['label']) || textOf(fields['name']),
+    effect: textOf(fields['effect']),
+    price: textOf(fields['price']),
+    help: textOf(fields['help']),
+    choices,
+  };
+}
+
+function helloOf(fields: Fields): Hello {
+  return {
+    type: 'hello',
+    protocol: textOf(fields['protocol']),
+    server: textOf(fields['server']),
+    viewer: numberOf(fields['viewer']),
+    schema: listOf(fields['schema']).map(settingRowOf),
+    scenes: listOf(fields['scenes']).map((entry) => {
+      const scene = fieldsOf(entry);
+      return { name: textOf(scene['name']), description: textOf(scene['description']) };
+    }),
+    maxUnacked: numberOf(fields['maxUnacked'], 2),
+  };
+}
+
+function sceneReadyOf(fields: Fields): SceneReady {
+  const bounds = fieldsOf(fields['bounds']);
+  return {
+    camera: cameraOf(fields['camera'], 'scene.camera'),
+    cameras: listOf(fields['cameras']).map((entry) => ({
+      name: textOf(fieldsOf(entry)['name']),
+      ...cameraOf(entry, 'scene.cameras'),
+    })),
+    paths: listOf(fields['paths']).map(textOf),
+    bounds: { low: vectorOf(bounds['low'], 'scene.bounds.low'), high: vectorOf(bounds['high'], 'scene.bounds.high') },
+    radius: Math.max(numberOf(fields['radius'], 1), 1e-6),
+    triangles: numberOf(fields['triangles']),
+    instances: numberOf(fields['instances']),
+    lights: numberOf(fields['lights']),
+    warnings: listOf(fields['warnings']).map(textOf),
+    effects: listOf(fields['effects']).map((entry) => {
+      const effect = fieldsOf(entry);
+      return {
+        name: textOf(effect['name']),
+        calledFor: effect['calledFor'] === true,
+        because: textOf(effect['because']),
+        setting: textOf(effect['setting']) || null,
+        help: textOf(effect['help']),
+        simulated: effect['simulated'] !== false, // an older server does not say
+      };
+    }),
+  };
+}
+
+function effectCostsOf(fields: Fields): EffectCostsMessage {
+  const state = fields['state'];
+  if (state === 'measuring') return { type: 'effectCosts', state, share: numberOf(fields['share']) };
+  if (state === 'failed') return { type: 'effectCosts', state, what: textOf(fields['what']) };
+  if (state !== 'ready') {
+    throw new ProtocolError(`effectCosts.state: ${String(state)}, allowed: measuring, ready, failed`);
+  }
+  return {
+    type: 'effectCosts',
+    state,
+    scene: textOf(fields['scene']),
+    device: textOf(fields['device']),
+    width: numberOf(fields['width']),
+    height: numberOf(fields['height']),
+    scale: Math.max(numberOf(fields['scale'], 1), 1),
+    rows: listOf(fields['rows']).map((entry) => {
+      const row = fieldsOf(entry);
+      return {
+        name: textOf(row['name']),
+        onMs: numberOf(row['onMs']),
+        offMs: numberOf(row['offMs']),
+        raysOn: numberOf(row['raysOn']),
+        raysOff: numberOf(row['raysOff']),
+      };
+    }),
+  };
+}
+
+function sceneOf(fields: Fields): SceneMessage {
+  const state = fields['state'];
+  if (state !== 'loading' && state !== 'ready' && state !== 'failed') {
+    throw new ProtocolError(`scene.state: ${String(state)}, allowed: loading, ready, failed`);
+  }
+  return {
+    type: 'scene',
+    name: textOf(fields['name']),
+    state,
+    what: textOf(fields['what']),
+    share: numberOf(fields['share']),
+    ready: state === 'ready' ? sceneReadyOf(fields) : null,
+  };
+}
+
+function devicePartOf(value: unknown): DevicePart {
+  const fields = fieldsOf(value);
+  return {
+    device: textOf(fields['device']),
+    part: textOf(fields['part']),
+    reason: textOf(fields['reason']),
+    mraysPerSecond: numberOf(fields['mraysPerSecond']),
+    share: numberOf(fields['share']),
+    idleShare: numberOf(fields['idleShare']),
+  };
+}
+
+function schedulerOf(value: unknown): SchedulerStats | null {
+  if (!isObject(value)) return null;
+  return {
+    endLossMs: numberOf(value['endLossMs']),
+    decisionMs: numberOf(value['decisionMs']),
+    batches: numberOf(value['batches']),
+    reissued: numberOf(value['reissued']),
+  };
+}
+
+function statsOf(fields: Fields): Stats {
+  return {
+    type: 'stats',
+    device: textOf(fields['device']),
+    framesPerSecond: numberOf(fields['framesPerSecond']),
+    samples: numberOf(fields['samples']),
+    targetSamples: numberOf(fields['targetSamples']),
+    relativeError: numberOf(fields['relativeError'], 1),
+    rays: numbersOf(fields['rays']),
+    mraysPerSecond: numberOf(fields['mraysPerSecond']),
+    ms: numbersOf(fields['ms']),
+    overheadShare: numberOf(fields['overheadShare']),
+    tiles: numbersOf(fields['tiles']),
+    parts: listOf(fields['parts']).map(devicePartOf),
+    scheduler: schedulerOf(fields['scheduler']),
+    viewers: numberOf(fields['viewers']),
+    residentBytes: numberOf(fields['residentBytes']),
+    nonfiniteSamples: numberOf(fields['nonfiniteSamples']),
+  };
+}
+
+function pathResultOf(value: unknown): PathResult | null {
+  if (!isObject(value)) return null;
+  return {
+    frames: numberOf(value['frames']),
+    msMean: numberOf(value['msMean']),
+    msMedian: numberOf(value['msMedian']),
+    msP95: numberOf(value['msP95']),
+    fpsMean: numberOf(value['fpsMean']),
+    fpsMin: numberOf(value['fpsMin']),
+  };
+}
+
+/** Reads a text message; null for a type this page does not know (a newer server). Throws ProtocolError. */
+export function parseMessage(text: string): ServerMessage | null {
+  let fields: unknown;
+  try {
+    fields = JSON.parse(text);
+  } catch {
+    throw new ProtocolError('message: not JSON');
+  }
+  if (!isObject(fields)) throw new ProtocolError('message: not a JSON object');
+  switch (fields['type']) {
+    case 'hello':
+      return helloOf(fields);
+    case 'scene':
+      return sceneOf(fields);
+    case 'stats':
+      return statsOf(fields);
+    case 'effectCosts':
+      return effectCostsOf(fields);
+    case 'partition':
+      return partitionOf(fields);
+    case 'settings':
+      return { type: 'settings', values: settingValuesOf(fields['values']), inputId: inputIdOf(fields['inputId']) };
+    case 'path':
+      return { type: 'path', playing: fields['playing'] === true, result: pathResultOf(fields['result']) };
+    case 'notice':
+      return { type: 'notice', text: textOf(fields['text']) };
+    case 'error':
+      return {
+        type: 'error',
+        message: textOf(fields['message']),
+        about: textOf(fields['about']),
+        inputId: inputIdOf(fields['inputId']),
+      };
+    case 'pong':
+      return { type: 'pong', time: numberOf(fields['time']) };
+    default:
+      return null;
+  }
+}

@@ -1,0 +1,19 @@
+// What the page may say to the server (docs/protocol.md).
+
+import type { Camera } from '../camera/camera.js';
+import type { SettingValues } from './protocol.js';
+
+export type PictureFormat = 'png' | 'exr' | 'jpg';
+
+export type ViewerMessage =
+  | ({ type: 'camera'; inputId: number; moving: boolean } & Camera)
+  | { type: 'settings'; inputId: number; values: SettingValues }
+  | { type: 'resolution'; inputId: number; width: number; height: number }
+  | { type: 'scene'; name: string }
+  | { type: 'ack'; frameId: number; presentedMs: number | null }
+  | { type: 'picture'; format: PictureFormat }
+  | { type: 'path'; playing: boolean }
+  | { type: 'effectCosts' }
+  | { type: 'focus'; inputId: number; x: number; y: number } // 0..1 of the picture, from its top left corner
+  | { type: 'ping'; time: number }
+  | { type: 'token'; token: string };
