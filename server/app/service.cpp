@@ -25,7 +25,8 @@ Service::Service(ServiceOptions options)
              },
              options_.defaults),
       socket_(options_.socket, *this),
-      attendant_([this](std::stop_token stop) { attend(stop); }) {}
+      attendant_([this](std::stop_token stop) { attend(stop); }),
+      reaper_([this](std::stop_token stop) { reap(stop); }) {}
 
 Service::~Service() {
     cache_.stop();
@@ -34,8 +35,10 @@ Service::~Service() {
         for (const auto& session : sessions_) session->end();
     }
     socket_.stop();
-    attendant_.request_stop();
-    attendant_.join();
+    for (std::jthread* thread : {&attendant_, &reaper_}) {
+        thread->request_stop();
+        thread->join();
+    }
 }
 
 void Service::start(std::function<void(std::exception_ptr failure)> done) {
@@ -89,7 +92,7 @@ void Service::closed(std::shared_ptr<ViewerPeer> peer) {
         pixels_.erase(session->viewer());
         ended_.push_back(std::move(session));
     }
-    changed_.notify_all();
+    ending_.notify_all();
 }
 
 void Service::refused(const std::string& why) {
@@ -111,20 +114,30 @@ void Service::tellEverybody(const std::string& what) {
     for (const auto& session : sessions) session->notice(what);
 }
 
-/// Statistics and time limits of all viewers, and the end of those who have gone.
+/// Statistics and time limits of all viewers.
 void Service::attend(std::stop_token stop) {
-    while (true) {
-        std::vector<std::shared_ptr<Session>> ended, sessions;
+    std::condition_variable_any never;
+    while (!stop.stop_requested()) {
+        std::vector<std::shared_ptr<Session>> sessions;
         {
             std::unique_lock lock(mutex_);
-            changed_.wait_for(lock, stop, TICK, [&] { return !ended_.empty(); });
-            ended.swap(ended_);
+            never.wait_for(lock, stop, TICK, [] { return false; });
             sessions = sessions_;
         }
-        if (stop.stop_requested() && ended.empty()) return;
-        ended.clear();
         auto now = std::chrono::steady_clock::now();
         for (const auto& session : sessions) session->tick(now);
+    }
+}
+
+/// The end of viewers who have gone. It lasts as long as what their devices are doing, so nothing else may wait for it.
+void Service::reap(std::stop_token stop) {
+    while (true) {
+        std::vector<std::shared_ptr<Session>> ended;
+        std::unique_lock lock(mutex_);
+        ending_.wait(lock, stop, [&] { return !ended_.empty(); });
+        ended.swap(ended_);
+        lock.unlock();
+        if (ended.empty()) return;
     }
 }
 

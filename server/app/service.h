@@ -47,23 +47,24 @@ private:
     bool ready() override { return cache_.residentCount() > 0; }
 
     void attend(std::stop_token stop);
+    void reap(std::stop_token stop);
     void tellEverybody(const std::string& what);
 
     const ServiceOptions options_;
     TileScheduler scheduler_;
     Metrics metrics_;
-    SceneCache cache_;
-    std::shared_ptr<void> firstScene_;  // ticket
 
-    mutable std::mutex mutex_;
-    std::condition_variable_any changed_;
+    mutable std::mutex mutex_;  // of all below up to lastViewer_
+    std::condition_variable_any ending_;
     std::vector<std::shared_ptr<Session>> sessions_;
-    std::vector<std::shared_ptr<Session>> ended_;  // to be destroyed by the attendant, which may wait for their threads
+    std::vector<std::shared_ptr<Session>> ended_;  // to be destroyed by the reaper, which waits for their threads
     std::map<uint32_t, uint64_t> pixels_;          // granted, by viewer
     uint32_t lastViewer_ = 0;
 
+    SceneCache cache_;  // after the sessions: its devices tell them of faults for as long as they live
+    std::shared_ptr<void> firstScene_;  // ticket
     SocketServer socket_;
-    std::jthread attendant_;
+    std::jthread attendant_, reaper_;
 };
 
 }  // namespace heliograph

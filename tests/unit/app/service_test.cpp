@@ -8,7 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <latch>
+#include <semaphore>
+#include <thread>
 
 namespace heliograph {
 namespace {
@@ -55,6 +58,16 @@ ServiceOptions options() {
     return o;
 }
 
+/// Whether the condition comes true within 20 s.
+template <typename Condition>
+bool until(Condition condition) {
+    for (int round = 0; round < 2000; round++) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+}
+
 /// A viewer that acknowledges every frame.
 struct Viewer {
     explicit Viewer(int port) : client(port) { client.upgrade(OURS); }
@@ -87,6 +100,18 @@ struct Viewer {
         ADD_FAILURE() << "the connection ended before " << type;
         return {};
     }
+    /// How many messages of that type have come by now.
+    int waiting(const std::string& type) {
+        say({{"type", "ping"}, {"time", 1}});
+        int count = 0;
+        while (auto message = client.receive()) {
+            if (message->opcode != 1) continue;
+            const json text = json::parse(message->bytes);
+            count += text["type"] == type;
+            if (text["type"] == "pong") break;
+        }
+        return count;
+    }
     WebClient client;
 };
 
@@ -94,6 +119,11 @@ struct Running {
     explicit Running(ServiceOptions o = options()) : service(std::move(o)) {
         service.start([this](std::exception_ptr) { started.count_down(); });
         started.wait();
+    }
+    /// Whether there are that many by now.
+    bool viewers(int count) {
+        const std::string line = "heliograph_viewers " + std::to_string(count) + "\n";
+        return WebClient(service.port()).get("/metrics").body.find(line) != std::string::npos;
     }
     std::latch started{1};
     Service service;
@@ -152,7 +182,7 @@ TEST(Service, FilmsOfAllViewersTogetherAreLimited) {
         b.size(100, 69, 3);  // its own pixels are given back first
         b.untilInput(3);
     }
-    while (WebClient(s.service.port()).get("/metrics").body.find("heliograph_viewers 1\n") == std::string::npos) {}
+    EXPECT_TRUE(until([&] { return s.viewers(1); }));
     b.size(100, 100, 4);
     b.untilInput(4);
 }
@@ -171,8 +201,19 @@ TEST(Service, AFirstSceneThatFailsIsTold) {
     EXPECT_THROW(std::rethrow_exception(failure), InputError);
 }
 
+/// Threads of this process.
+long threadCount() {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/task"), std::filesystem::directory_iterator());
+}
+
 TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
-    Running s;
+    ServiceOptions o = options();
+    o.pixelLimit = 1000 * 600;
+    Running s(o);
+    Viewer last(s.service.port());
+    last.size(64, 48, 1);
+    last.untilInput(1);
+    const long threads = threadCount();
     for (int round = 0; round < 30; round++) {
         Viewer viewer(s.service.port());
         viewer.size(200, 100, 1);
@@ -180,9 +221,46 @@ TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
         if (round % 3 == 1) viewer.say({{"type", "scene"}, {"name", "second"}});
         for (uint32_t id = 2; id < 10; id++) viewer.look(id);
     }
-    Viewer last(s.service.port());
-    last.size(64, 48, 1);
-    last.untilInput(1);
+    EXPECT_TRUE(until([&] { return threadCount() <= threads; })) << threadCount() << " threads, " << threads << " before";
+    EXPECT_TRUE(s.viewers(1));
+    last.size(1000, 600, 2);  // all pixels that there are
+    EXPECT_EQ(last.untilInput(2).size, uvec2(1000, 600));
+}
+
+/// Hangs in `render` for whoever asks for STUCK_SAMPLES, whatever the stop token says.
+struct StuckDevice : GreyDevice {
+    static constexpr uint32_t STUCK_SAMPLES = 7;
+    struct Gate { std::counting_semaphore<> entered{0}; std::latch open{1}; };
+    explicit StuckDevice(Gate& g) : gate(g) {}
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
+        if (request.settings.samples == STUCK_SAMPLES && !gate.open.try_wait()) {
+            gate.entered.release();
+            gate.open.wait();
+        }
+        GreyDevice::render(request, tiles, sink, stop);
+    }
+    Gate& gate;
+};
+
+TEST(Service, ASlowGoodbyeStopsNobodysClock) {
+    StuckDevice::Gate gate;
+    ServiceOptions o = options();
+    o.devices.make = [&](const std::string&) { return std::make_unique<StuckDevice>(gate); };
+    Running s(o);
+    Viewer stays(s.service.port());
+    stays.size(64, 48, 1);
+    stays.untilInput(1);
+    {
+        Viewer goes(s.service.port());
+        goes.say({{"type", "settings"}, {"inputId", 1}, {"values", {{"samples", StuckDevice::STUCK_SAMPLES}}}});
+        goes.size(64, 48, 2);
+        gate.entered.acquire();
+    }
+    EXPECT_TRUE(until([&] { return s.viewers(1); }));
+    stays.waiting("stats");  // those from before
+    int stats = 0;
+    EXPECT_TRUE(until([&] { return (stats += stays.waiting("stats")) >= 2; })) << "statistics stopped";
+    gate.open.count_down();
 }
 
 }  // namespace
