@@ -36,6 +36,12 @@ enum class Warmth {
 /// Takes each finished tile; called from the device's own threads, possibly several at once.
 using TileSink = std::function<void(TileResult&&)>;
 
+/// What a device says of one ray.
+struct DepthAnswer {
+    bool known = false;           // false: this device cannot tell
+    std::optional<double> depth;  // to the nearest surface, in lengths of the ray's direction; nothing where there is none
+};
+
 class Device {
 public:
     virtual ~Device() = default;
@@ -66,6 +72,8 @@ public:
                               std::stop_token stop) {
         render(request, tiles, sink, stop);
     }
+    /// Traces one ray through the scene that is resident; no part of any frame. May run beside `render`, for microseconds.
+    virtual DepthAnswer depthAlong(const ViewRay& ray) { return static_cast<void>(ray), DepthAnswer{}; }
 };
 
 }  // namespace heliograph

@@ -88,6 +88,20 @@ public:
         else renderAlone(name, request, tiles, sink, stop);
     }
 
+    DepthAnswer depthAlong(const ViewRay& ray) override {
+        std::vector<std::shared_ptr<Entry>> entries;
+        {
+            std::lock_guard lock(mutex_);
+            for (const auto& [name, slot] : entries_) entries.push_back(slot);
+        }
+        for (const std::shared_ptr<Entry>& slot : entries) {
+            std::shared_ptr<Device> device = slot->ready();
+            DepthAnswer answer = device ? device->depthAlong(ray) : DepthAnswer{};
+            if (answer.known) return answer;
+        }
+        return {};
+    }
+
 private:
     std::shared_ptr<Entry> entry(const std::string& name) const {
         std::lock_guard lock(mutex_);

@@ -81,6 +81,12 @@ Camera checkedCamera(const Camera& camera) {
     return {camera.position, vec3(axes.forward), vec3(axes.up), camera.fieldOfView};
 }
 
+ViewRay viewRay(const Camera& camera, double aspect, double x, double y) {
+    const double half = std::tan(0.5 * static_cast<double>(camera.fieldOfView) * PI / 180.0);
+    const dvec3 forward(camera.forward), up(camera.up), right = glm::cross(forward, up);
+    return {dvec3(camera.position), forward + right * (half * aspect * (2.0 * x - 1.0)) + up * (half * (1.0 - 2.0 * y))};
+}
+
 KernelCamera kernelCamera(const Camera& camera, uvec2 resolution) {
     Axes axes;
     axesOf(camera.forward, camera.up, axes);

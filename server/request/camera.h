@@ -20,6 +20,13 @@ Camera cameraFrom(const NamedCamera& named);
 Camera checkedCamera(const Camera& camera);
 /// Computed in double, stored in float (hard case 32).
 KernelCamera kernelCamera(const Camera& camera, uvec2 resolution);
+/// A ray of the view, world space.
+struct ViewRay {
+    glm::dvec3 origin{0.0};
+    glm::dvec3 direction{0.0};  // its component along the camera's `forward` is 1, so that distances along it are depths
+};
+/// Through the place (x, y) of the picture, each 0..1 from its upper left corner. `aspect`: width over height.
+ViewRay viewRay(const Camera& camera, double aspect, double x, double y);
 /// The camera at `share` in [0, 1) of the path (wraps when closed).
 Camera cameraOnPath(const CameraPath& path, double share, float fieldOfView);
 

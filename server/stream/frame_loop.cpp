@@ -66,6 +66,7 @@ void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene, const std::option
         sceneChanged_ = true;
         retry_ = true;
         news_++;
+        focusAsked_.reset();
         if (pass_.running) pass_.stop.request_stop();
     }
     changed_.notify_all();
@@ -85,6 +86,17 @@ void FrameLoop::takePicture() {
         std::lock_guard lock(mutex_);
         pictureAsked_ = true;
         news_++;
+    }
+    changed_.notify_all();
+}
+
+void FrameLoop::focus(const FocusRequest& request) {
+    {
+        std::lock_guard lock(mutex_);
+        focusAsked_ = request;
+        news_++;
+        // A refinement would be given up for the new distance anyway.
+        if (pass_.running && pass_.cancellable && pass_.firstSample > 0) pass_.stop.request_stop();
     }
     changed_.notify_all();
 }
@@ -142,6 +154,7 @@ uint64_t FrameLoop::takeNews() {
         pictureAsked_ = false;
         startPicture();
     }
+    focus_ = std::exchange(focusAsked_, std::nullopt);
     uint64_t seen = news_;
     lock.unlock();
 
@@ -155,6 +168,9 @@ uint64_t FrameLoop::takeNews() {
 }
 
 bool FrameLoop::step() {
+    if (std::optional<FocusRequest> asked = std::exchange(focus_, std::nullopt); asked && resident_) {
+        receiver_.focused(*asked, resident_->device->depthAlong(asked->ray));
+    }
     if (!resident_ || !wish_ || broken_) return false;
     followPath();
     if (!adopt()) return false;
@@ -316,6 +332,7 @@ std::stop_token FrameLoop::beginPass(const ViewRequest& view, uint32_t firstSamp
     std::lock_guard lock(mutex_);
     pass_ = {true, cancellable, view, firstSample, std::stop_source()};
     bool giveUp = stopped_ || sceneChanged_ ||
+                  (cancellable && focusAsked_ && firstSample > 0) ||
                   (cancellable && newest_ && !run_ && cancelsPass(view, firstSample, cancelledBefore_, *newest_));
     if (giveUp) pass_.stop.request_stop();
     return pass_.stop.get_token();

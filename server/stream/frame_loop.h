@@ -66,6 +66,12 @@ enum class Readiness {
     stalled,   // the viewer has not acknowledged anything for long
 };
 
+/// Where a viewer wants to know the depth.
+struct FocusRequest {
+    ViewRay ray;
+    uint32_t inputId = 0;
+};
+
 /// Where frames go. Called from the loop's thread without any lock held; must not call the loop's destructor.
 class FrameReceiver {
 public:
@@ -75,6 +81,8 @@ public:
     virtual void take(FinishedFrame&& frame) = 0;
     /// A run along the path is over, or was asked to end before it began (no frames then).
     virtual void pathEnded(const FrameSummary& result) = 0;
+    /// The depth that was asked for.
+    virtual void focused(const FocusRequest& request, const DepthAnswer& answer) = 0;
     /// The device failed; the loop rests until the next wish or scene.
     virtual void failed(const std::string& what) = 0;
 };
@@ -94,6 +102,8 @@ public:
     void playPath(bool playing);
     /// Makes a picture of the newest wish at full resolution, with as many samples as its film has by now (at least 1).
     void takePicture();
+    /// Asks the device for the depth along a ray, on the loop's thread; a request that was not answered yet is dropped.
+    void focus(const FocusRequest& request);
     /// The receiver's readiness has changed for the better.
     void wake();
     /// Asks the loop to end, without waiting.
@@ -153,6 +163,7 @@ private:
     bool sceneChanged_ = false;
     std::optional<bool> playing_;
     bool pictureAsked_ = false;
+    std::optional<FocusRequest> focusAsked_;
     bool retry_ = false;  // something came that may mend what failed
     bool stopped_ = false;
     PassState pass_;
@@ -178,6 +189,7 @@ private:
     ReachOfView reach_;
     std::optional<Run> run_;
     std::optional<Job> picture_;
+    std::optional<FocusRequest> focus_;
     bool pictureTurn_ = false;  // passes of picture and film alternate
     bool broken_ = false;
 

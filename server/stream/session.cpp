@@ -3,7 +3,6 @@
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/net/token.h"
-#include "server/render/pick.h"
 
 #include <algorithm>
 #include <cmath>
@@ -205,26 +204,31 @@ void Session::handle(const EffectCostsMessage&) {
     meter_.measure({++costsOrder_, sceneName_, scene_, request_});
 }
 
-/// Sets the distance of what lies there. The rest of the lens stays as it is.
 void Session::handle(const FocusMessage& message) {
-    std::shared_ptr<ResidentScene> scene;
-    ViewRequest view;
-    {
-        std::lock_guard lock(mutex_);
-        if (!scene_ || request_.resolution.x == 0) throw InputError("focus", "nothing to see yet", "after `resolution` and a scene");
-        scene = scene_;
-        view = request_;
-    }
-    const double aspect = static_cast<double>(view.resolution.x) / view.resolution.y;
-    const std::optional<double> depth = depthAt(*scene->scene, view.camera, aspect, message.x, message.y);
-    if (!depth) throw InputError("focus", "nothing is there", "a place where something is seen");
     std::lock_guard lock(mutex_);
-    Settings settings = request_.settings;
-    settings.set("focusDistance", *depth);
-    request_.settings = settings;
-    request_.inputId = message.inputId;
-    socket_->sendText(settingsMessage(settings.toJson(), message.inputId));
-    showLocked();
+    if (!scene_ || request_.resolution.x == 0) throw InputError("focus", "nothing to see yet", "after `resolution` and a scene");
+    const double aspect = static_cast<double>(request_.resolution.x) / request_.resolution.y;
+    loop_.focus({viewRay(request_.camera, aspect, message.x, message.y), message.inputId});
+}
+
+/// Sets `focusDistance` to the depth that was measured.
+void Session::focused(const FocusRequest& request, const DepthAnswer& answer) {
+    Metrics& metrics = host_.metrics();
+    std::lock_guard lock(mutex_);
+    if (ended_) return;
+    try {
+        if (!answer.known) throw InputError("focus", "no device that holds the scene measures depth", "embree or hybrid as device");
+        if (!answer.depth) throw InputError("focus", "nothing is there", "a place where something is seen");
+        Settings settings = request_.settings;
+        settings.set("focusDistance", *answer.depth);
+        request_.settings = settings;
+        request_.inputId = std::max(request_.inputId, request.inputId);
+        socket_->sendText(settingsMessage(settings.toJson(), request.inputId));
+        showLocked();
+    } catch (const InputError& e) {
+        metrics.messagesRefused++;
+        socket_->sendText(errorMessage(e.what(), "focus", request.inputId));
+    }
 }
 
 void Session::effectCosts(EffectMeter::News&& news) {

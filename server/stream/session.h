@@ -71,6 +71,7 @@ private:
     Readiness readiness() override;
     void take(FinishedFrame&& frame) override;
     void pathEnded(const FrameSummary& result) override;
+    void focused(const FocusRequest& request, const DepthAnswer& answer) override;
     void failed(const std::string& what) override;
 
     void handle(const CameraMessage& message);

@@ -89,6 +89,16 @@ public:
         renderTiles(frame, tiles, sink, stop);
     }
 
+    DepthAnswer depthAlong(const ViewRay& ray) override {
+        std::shared_ptr<EmbreeScene> scene;
+        {
+            std::lock_guard lock(mutex_);
+            for (const auto& [settings, built] : built_) scene = built;  // depths don't depend on the kind of tree
+        }
+        if (!scene) return {};
+        return {true, scene->depthAlong(ray)};
+    }
+
 private:
     /// What the tiles of one call have in common.
     struct Frame {

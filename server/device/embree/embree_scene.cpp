@@ -2,6 +2,8 @@
 
 #include "server/kernel/kernel.h"
 
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace heliograph {
@@ -97,6 +99,21 @@ EmbreeScene::~EmbreeScene() {
     rtcReleaseScene(root_);
     for (RTCScene mesh : meshScenes_)
         if (mesh) rtcReleaseScene(mesh);
+}
+
+std::optional<double> EmbreeScene::depthAlong(const ViewRay& ray) const {
+    // Farther away, squares of distances leave the range of float.
+    constexpr double FARTHEST = 1e18;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!(std::abs(ray.origin[axis]) < FARTHEST) || !std::isfinite(ray.direction[axis])) return std::nullopt;
+    }
+    alignas(64) RTCRayHit16 packet;
+    setRay(packet.ray, 0, vec3(ray.origin), vec3(ray.direction), std::numeric_limits<float>::infinity());
+    packet.hit.geomID[0] = RTC_INVALID_GEOMETRY_ID;
+    packet.hit.instID[0][0] = RTC_INVALID_GEOMETRY_ID;
+    traceClosest(root_, packet, 1, {1, false});
+    if (packet.hit.geomID[0] == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return static_cast<double>(packet.ray.tfar[0]);
 }
 
 RTCGeometry EmbreeScene::makeTriangles(RTCDevice device, const Mesh& mesh) {

@@ -4,9 +4,11 @@
 
 #include "server/base/progress.h"
 #include "server/device/embree/ray_packet.h"
+#include "server/request/camera.h"
 #include "server/scene/kernel_tables.h"
 
 #include <memory>
+#include <optional>
 
 namespace heliograph {
 
@@ -33,6 +35,9 @@ public:
     /// traversal of instances stores 16 bits of a lane mask and reads 64: it ends if the stack happens to hold zeros.)
     bool coherentPrimary() const { return coherentPrimary_; }
     bool coherentShadows() const { return coherentShadows_; }
+
+    /// Distance to the nearest surface, in lengths of the ray's direction; holes of cut-outs are looked through.
+    std::optional<double> depthAlong(const ViewRay& ray) const;
 
     /// The kernel's hit from Embree's: only ids are taken.
     static Hit hitOf(uint32_t geometry, uint32_t primitive, uint32_t instance) {

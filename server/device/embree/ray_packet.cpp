@@ -96,6 +96,7 @@ void closestSingle(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceCon
         packet.hit.geomID[i] = single.hit.geomID;
         packet.hit.primID[i] = single.hit.primID;
         packet.hit.instID[0][i] = single.hit.instID[0];
+        packet.ray.tfar[i] = single.ray.tfar;
     }
 }
 

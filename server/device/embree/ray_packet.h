@@ -43,7 +43,8 @@ inline void setRay(RTCRay16& packet, uint32_t lane, vec3 origin, vec3 direction,
 inline vec3 rayOrigin(const RTCRay16& p, uint32_t lane) { return {p.org_x[lane], p.org_y[lane], p.org_z[lane]}; }
 inline vec3 rayDirection(const RTCRay16& p, uint32_t lane) { return {p.dir_x[lane], p.dir_y[lane], p.dir_z[lane]}; }
 
-/// Closest hits of the first `count` rays; geomID and instID tell what was hit.
+/// Closest hits of the first `count` rays; geomID and instID tell what was hit, with width 1 or 16
+/// tfar how far away.
 void traceClosest(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceMode mode);
 
 /// Any-hit test of the first `count` rays: bit per ray that is blocked by something opaque. `passedTransparent`: bit per

@@ -41,6 +41,14 @@ public:
         inside--;
     }
 
+    DepthAnswer depthAlong(const ViewRay& ray) override {
+        std::unique_lock lock(mutex);
+        depthCalls++;
+        changed.notify_all();
+        changed.wait(lock, [&] { return !depthHeld; });
+        return {true, ray.origin.x};
+    }
+
     void hold(bool on) {
         std::lock_guard lock(mutex);
         held = on;
@@ -63,8 +71,8 @@ public:
     std::atomic<bool> overlapped{false}, broken{false};
     std::mutex mutex;
     std::condition_variable_any changed;
-    bool held = false;
-    int arrived = 0;
+    bool held = false, depthHeld = false;
+    int arrived = 0, depthCalls = 0;
 };
 
 /// Keeps what the loop hands over. Credit is given by the test.
@@ -86,6 +94,11 @@ public:
     void pathEnded(const FrameSummary& result) override {
         std::lock_guard lock(mutex);
         runs.push_back(result);
+        changed.notify_all();
+    }
+    void focused(const FocusRequest& request, const DepthAnswer& answer) override {
+        std::lock_guard lock(mutex);
+        focuses.push_back({request.inputId, answer.depth.value_or(-1.0)});
         changed.notify_all();
     }
     void failed(const std::string& what) override {
@@ -113,6 +126,7 @@ public:
     std::vector<vec4> colors;  // of the last pixel of each
     std::vector<FrameSummary> runs;
     std::vector<std::string> failures;
+    std::vector<std::pair<uint32_t, double>> focuses;  // input id and depth
     std::vector<vec4> pixels;
 };
 
@@ -346,6 +360,40 @@ TEST(FrameLoop, ALostDeviceIsToldOnceAndTriedAgainWithTheNextWish) {
     s.loop.show(wish(2));
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty(); }));
     EXPECT_EQ(s.viewer.failures.size(), 1u);
+}
+
+TEST(FrameLoop, OfManyFocusRequestsTheNewestIsAnsweredAndNobodyWaits) {
+    Stage s;
+    s.device->depthHeld = true;
+    s.loop.setScene(sceneOn(s.device), wish(1));
+    auto ask = [&](uint32_t id) { s.loop.focus({{glm::dvec3(id, 0, 0), glm::dvec3(0, 0, -1)}, id}); };
+    ask(1);
+    {
+        std::unique_lock lock(s.device->mutex);
+        ASSERT_TRUE(s.device->changed.wait_for(lock, PATIENCE, [&] { return s.device->depthCalls == 1; }));
+    }
+    for (uint32_t id = 2; id <= 500; id++) ask(id);  // comes back although the device is still at the first
+    {
+        std::lock_guard lock(s.device->mutex);
+        s.device->depthHeld = false;
+        s.device->changed.notify_all();
+    }
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.focuses.size() >= 2; }));
+    s.loop.playPath(true);  // ends at once; by then whatever else was asked would be answered
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.runs.empty(); }));
+    EXPECT_EQ(s.viewer.focuses, (std::vector<std::pair<uint32_t, double>>{{1, 1.0}, {500, 500.0}}));
+}
+
+TEST(FrameLoop, FocusDoesNotWaitForARefinement) {
+    Stage s;
+    s.viewer.credit = 1;
+    s.loop.setScene(sceneOn(s.device), wish(1, 1'000));
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.size() == 1; }));
+    s.device->hold(true);
+    s.device->untilArrived();  // inside a refinement pass, which would wait for ever
+    s.loop.focus({{glm::dvec3(5, 0, 0), glm::dvec3(0, 0, -1)}, 2});
+    EXPECT_TRUE(s.viewer.until([&] { return s.viewer.focuses.size() == 1; }));
+    s.device->hold(false);
 }
 
 TEST(FrameLoop, EndsInTheMiddleOfAPass) {

@@ -17,6 +17,9 @@ constexpr auto PATIENCE = 30s;
 /// Paints everything in one grey.
 class GreyDevice : public Device {
 public:
+    DepthAnswer depthAlong(const ViewRay&) override { return depth; }
+
+    DepthAnswer depth{true, std::nullopt};
     DeviceInfo info() const override { return {"embree", "for tests", "none", 1}; }
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override {}
     void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
@@ -32,7 +35,8 @@ public:
     }
 };
 
-std::shared_ptr<ResidentScene> residentScene(const std::string& name, bool withPath = true) {
+std::shared_ptr<ResidentScene> residentScene(const std::string& name, bool withPath = true,
+                                             std::shared_ptr<Device> device = std::make_shared<GreyDevice>()) {
     auto scene = std::make_shared<Scene>();
     scene->name = name;
     scene->environment.image = NO_INDEX;
@@ -43,7 +47,7 @@ std::shared_ptr<ResidentScene> residentScene(const std::string& name, bool withP
         path.keys = {{vec3(5, 0, 0), vec3(0)}, {vec3(0, 0, 5), vec3(0)}};
         scene->paths.push_back(path);
     }
-    return std::make_shared<ResidentScene>(ResidentScene{scene, std::make_shared<GreyDevice>(), explainEffects(*scene), {}});
+    return std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), explainEffects(*scene), {}});
 }
 
 class FakeHost : public SessionHost {
@@ -53,7 +57,7 @@ public:
         opened.push_back(name);
         if (full) throw InputError("scene.name", "no room", "later");
         if (manual) listeners.push_back(std::move(listener));
-        else listener.ready(residentScene(name, name != "bare"));
+        else listener.ready(residentScene(name, name != "bare", device));
         return std::make_shared<int>(0);
     }
     bool grantPixels(uint32_t, uint64_t pixels) override { return pixels <= pixelLimit; }
@@ -62,6 +66,7 @@ public:
     Turns& turns() override { return turns_; }
     Metrics& metrics() override { return metrics_; }
 
+    std::shared_ptr<GreyDevice> device = std::make_shared<GreyDevice>();
     std::vector<std::string> opened;
     std::vector<SceneListener> listeners;
     bool manual = false, full = false;
@@ -279,8 +284,20 @@ TEST(Session, FocusesOnWhatIsThereOrSaysThatNothingIs) {
     line.size();
     line.say({{"type", "focus"}, {"x", 1.5}, {"y", 0.5}, {"inputId", 2}});
     EXPECT_NE(line.socket->last("error")["message"].get<std::string>().find("0 to 1"), std::string::npos);
-    line.say({{"type", "focus"}, {"x", 0.5}, {"y", 0.5}, {"inputId", 3}});  // the scene of this test is empty
-    EXPECT_NE(line.socket->last("error")["message"].get<std::string>().find("nothing is there"), std::string::npos);
+    auto answered = [&](uint32_t inputId, const char* type) {
+        line.say({{"type", "focus"}, {"x", 0.5}, {"y", 0.5}, {"inputId", inputId}});
+        EXPECT_TRUE(line.socket->until([&] {
+            return std::ranges::any_of(line.socket->texts, [&](const json& m) { return m["type"] == type && m.value("inputId", json()) == inputId; });
+        }));
+        return line.socket->last(type);
+    };
+    EXPECT_NE(answered(3, "error")["message"].get<std::string>().find("nothing is there"), std::string::npos);
+    line.host.device->depth = {false, std::nullopt};
+    EXPECT_NE(answered(4, "error")["message"].get<std::string>().find("measures depth"), std::string::npos);
+    line.host.device->depth = {true, 5e6};
+    EXPECT_NE(answered(5, "error")["message"].get<std::string>().find("focusDistance"), std::string::npos);
+    line.host.device->depth = {true, 7.5};
+    EXPECT_EQ(answered(6, "settings")["values"]["focusDistance"], 7.5);
 }
 
 TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
