@@ -11,7 +11,9 @@ kernel               base
 scene                base kernel
 scene/build          base kernel scene
 scene/generate       base kernel scene scene/build
-scene/load           base kernel scene scene/build scene/generate
+images               base
+images/module        images
+scene/load           base kernel scene images scene/build scene/generate
 request              base kernel scene
 film                 base kernel scene request
 device               base kernel scene request film
@@ -24,12 +26,12 @@ device/vulkan/trace  base kernel scene request film device device/vulkan/core de
 device/vulkan/raster base kernel scene request film device device/vulkan/core device/vulkan/trace
 device/vulkan/bench  base kernel scene request film device device/vulkan/core device/vulkan/tree device/vulkan/trace
 device/remote        base kernel scene request film device pool
-encode               base kernel
+encode               base kernel images
 net                  base kernel scene request
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
 stream               base kernel scene scene/load request film device schedule render encode net
-app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote encode net pool lab stream
+app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net pool lab stream
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...
@@ -38,10 +40,10 @@ embree3/         device/embree device/vulkan/tree
 vulkan/          device/vulkan/core device/vulkan/tree device/vulkan/trace device/vulkan/raster device/vulkan/bench
 libwebsockets    net
 nats             pool
-turbojpeg.h      encode
+turbojpeg.h      images encode
 jpeglib.h        encode
-png.h            encode
-OpenImageIO/     scene/load encode
+png.h            images encode
+OpenImageIO/     images/module
 tiny_gltf.h      scene/load
 tiny_obj_loader  scene/load
 CLI/             app main

@@ -10,6 +10,7 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
+#include "server/images/image_module.h"
 #include "server/schedule/frame_history.h"
 #include "server/render/frame_renderer.h"
 #include "server/film/stats.h"
@@ -103,6 +104,7 @@ int runRender(const RenderOptions& options, std::ostream& out) {
     const uvec2 resolution = renderedSize(parsedSize(options.size), given.settings);
     const OutputFile file("--out", options.out);
     const Format format = formatOf(file);
+    if (format == Format::exr) imageModule();  // if it is missing, that is said before any work
 
     RenderResult result;
     Film film;

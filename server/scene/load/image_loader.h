@@ -11,14 +11,14 @@ namespace heliograph {
 struct ImageInfo {
     uint32_t width = 0;
     uint32_t height = 0;
-    int channels = 0;
     bool hdr = false;  // Radiance or OpenEXR: decoded to float
 
     uint64_t decodedBytes() const { return static_cast<uint64_t>(width) * height * (hdr ? 12 : 4); }
 };
 
 /// Reads the header. `name` is for messages. Throws InputError for an unknown or broken format, a side over 16384 or
-/// more than 128 Mi pixels.
+/// more than 128 Mi pixels, and for Radiance or
+/// OpenEXR without the picture module (server/images/image_module.h).
 ImageInfo inspectImage(std::span<const uint8_t> file, const std::string& name);
 
 /// Decodes to RGBA8 or, for HDR formats, linear RGB float. `srgb`: the colours of 8 and 16 bit formats are sRGB-coded.
