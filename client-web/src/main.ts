@@ -1,5 +1,6 @@
 // Puts the page together.
 
+import './page/page.css'; // before what the parts bring
 import { Banner } from './page/banner.js';
 import { exposeDiagnostics } from './page/diagnostics.js';
 import { DisplayError } from './picture/display.js';

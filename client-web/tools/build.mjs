@@ -1,7 +1,8 @@
-// Bundles the page into dist/: one script, one style sheet, no source of any other host.
+// Bundles the page into dist/: one script, one style sheet, no source of any other host. The parts of the page import
+// their styles; these follow each other as the imports do.
 
 import { build } from 'esbuild';
-import { cp, mkdir, rm } from 'node:fs/promises';
+import { cp, mkdir, rename, rm } from 'node:fs/promises';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
@@ -19,5 +20,5 @@ await build({
   minify: true,
   legalComments: 'none',
 });
-await build({ entryPoints: [join(root, 'static/style.css')], outfile: join(dist, 'style.css'), minify: true });
+await rename(join(dist, 'app.css'), join(dist, 'style.css'));
 for (const name of ['index.html', 'favicon.svg']) await cp(join(root, 'static', name), join(dist, name));

@@ -5,6 +5,7 @@ import { compact } from './format.js';
 import type { PathResult } from '../wire/protocol.js';
 import { displayName } from './scene_name.js';
 import type { Viewer } from '../viewer.js';
+import './banner.css';
 
 export class Banner {
   readonly element = el('div', { class: 'banner', hidden: true });

@@ -1,6 +1,7 @@
 // The overlay that lists keys and gestures.
 
 import { el, icon } from './dom.js';
+import './help.css';
 
 type Row = readonly [keys: readonly string[], meaning: string];
 

@@ -1,6 +1,7 @@
 // A button with a menu: arrow keys move, Escape closes and gives the focus back, a press elsewhere closes.
 
 import { el, icon, uniqueId } from './dom.js';
+import './menu.css';
 
 export interface MenuItem {
   readonly label: string;

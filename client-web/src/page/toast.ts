@@ -2,6 +2,7 @@
 // time).
 
 import { el, icon } from './dom.js';
+import './toast.css';
 
 const NOTICE_MS = 6000;
 const MOST = 4;

@@ -6,6 +6,7 @@ import { Menu, type MenuItem } from './menu.js';
 import type { Panel } from '../panels/panel.js';
 import { displayName, spacedWords } from './scene_name.js';
 import type { Viewer } from '../viewer.js';
+import './toolbar.css';
 
 /** Scene, viewpoint and what there is to know of the scene. */
 export class SceneBar {

@@ -3,6 +3,7 @@
 
 import { el, icon, uniqueId } from '../page/dom.js';
 import { recall, remember } from '../page/storage.js';
+import './panel.css';
 
 const NARROW = window.matchMedia('(max-width: 899px), (max-height: 479px)');
 

@@ -7,6 +7,7 @@ import type { Panel } from '../panel.js';
 import { percent } from '../../page/format.js';
 import type { EffectReason, SettingRow } from '../../wire/protocol.js';
 import type { Viewer } from '../../viewer.js';
+import './effects_panel.css';
 
 export class EffectsPanel {
   private readonly button_ = el('button', { type: 'button', class: 'wide-button measure' });

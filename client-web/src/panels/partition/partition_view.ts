@@ -8,6 +8,7 @@ import { borderLines, describePartition, NOBODY, pixelShares, type Partition } f
 import { pictureBox, type Box } from '../../picture/picture_box.js';
 import { TimelineView } from './timeline_view.js';
 import type { Viewer } from '../../viewer.js';
+import './partition_view.css';
 
 const TINT = 0.35;
 const BORDER = 'rgb(255 255 255 / 65%)';

@@ -10,6 +10,7 @@ import { RESOLUTION_MODES, type ResolutionMode } from '../../picture/resolution.
 import { SettingField } from './settings_field.js';
 import { recall, remember } from '../../page/storage.js';
 import type { Viewer } from '../../viewer.js';
+import './settings_panel.css';
 
 /** Rows without an effect that are about the picture; the others without one are about the renderer. */
 const PICTURE_ROWS: readonly string[] = ['renderScale', 'samples', 'exposure', 'toneCurve', 'jpegQuality'];

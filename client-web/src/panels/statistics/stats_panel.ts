@@ -11,6 +11,7 @@ import type { Panel } from '../panel.js';
 import type { Frame } from '../../wire/frame.js';
 import type { Numbers } from '../../wire/fields.js';
 import type { Viewer } from '../../viewer.js';
+import './stats_panel.css';
 
 const REFRESH_MS = 250;
 /** Without a frame for this long the picture counts as resting, ms. */
