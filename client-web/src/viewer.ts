@@ -1,10 +1,10 @@
-// One viewer's session: what is known of the server, what was asked of it, and the rules between the two (restore
-// after a reconnect, acknowledge every frame, newest input wins). The panels read `state` and hear of changes by
-// topic.
+// One viewer's session: what is known of the server and what was asked of it. The panels read `state` and hear of
+// changes by topic. The rules between the two stand in reconnect.ts and frames.ts.
 
 import { CameraController } from './camera/camera_controller.js';
 import type { Camera } from './camera/camera.js';
-import { Display, type Presentation } from './picture/display.js';
+import { Display } from './picture/display.js';
+import { Frames } from './frames.js';
 import { EffectCostModel } from './panels/effects/effect_costs.js';
 import { pictureBox, placeInPicture } from './picture/picture_box.js';
 import { parseFrame, ProtocolError, type Frame } from './wire/frame.js';
@@ -19,6 +19,7 @@ import {
   type SettingValue,
   type SettingValues,
 } from './wire/protocol.js';
+import { Restoring } from './reconnect.js';
 import { pictureSize, type ResolutionMode } from './picture/resolution.js';
 import { SettingsModel } from './panels/settings/settings_model.js';
 import { ShownPartition } from './panels/partition/shown_partition.js';
@@ -26,13 +27,6 @@ import { initialState, type Message, type Topic, type ViewerState } from './view
 import type { PictureFormat } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
 import { Connection, socketUrl, tokenOf, type ConnectionState } from './wire/socket.js';
-
-/** After a reconnect: the scene that was shown before, and the server's words on others meanwhile. */
-interface Restoring {
-  readonly scene: string;
-  asked: boolean;
-  other: SceneMessage | null;
-}
 
 const RESIZE_DELAY = 150; // ms
 
@@ -54,19 +48,30 @@ export class Viewer {
   private readonly listeners_ = new Map<Topic, (() => void)[]>();
   private readonly connection_: Connection;
   private readonly display_: Display;
+  private readonly frames_: Frames;
+  private readonly restoring_ = new Restoring();
   private restTimer_ = 0;
   private resizeTimer_ = 0;
-  private restoring_: Restoring | null = null;
   private pendingSettings_: Record<string, SettingValue> | null = null;
 
   constructor(
     private readonly canvas_: HTMLCanvasElement,
     resolutionMode: ResolutionMode,
   ) {
+    this.state = initialState(resolutionMode);
+    this.frames_ = new Frames(this.state, this.stream, {
+      show: (frame) => this.display_.push(frame),
+      acknowledge: (frameId, presentedMs) => this.connection_.send({ type: 'ack', frameId, presentedMs }),
+      undecodable: ({ frameId, codec }) =>
+        this.onMessage({ kind: 'error', text: `Frame ${frameId} could not be decoded (${codec}).` }),
+    });
     this.display_ = new Display(canvas_, {
       drawn: (frame) => this.partition.drawn(frame),
-      presented: (presentation) => this.presented(presentation),
-      dropped: (frame, reason) => this.dropped(frame, reason),
+      presented: (presentation) => {
+        this.frames_.presented(presentation);
+        this.emit('frame');
+      },
+      dropped: (frame, reason) => this.frames_.dropped(frame, reason),
     });
     const hooks = {
       state: (state: ConnectionState) => this.connectionChanged(state),
@@ -80,7 +85,6 @@ export class Viewer {
       send: (camera, moving, eventTime) => this.sendCamera(camera, moving, eventTime),
       changed: () => this.emit('camera'),
     });
-    this.state = initialState(resolutionMode);
     window.addEventListener('resize', () => this.resized());
     this.measure();
   }
@@ -94,7 +98,7 @@ export class Viewer {
   }
 
   openScene(name: string): void {
-    this.restoring_ = null;
+    this.restoring_.cancel();
     this.connection_.send({ type: 'scene', name });
   }
 
@@ -238,8 +242,7 @@ export class Viewer {
     const before = this.state.hello;
     this.state.hello = hello;
     this.settings.setSchema(hello.schema);
-    if (before !== null && this.state.readyName !== '')
-      this.restoring_ = { scene: this.state.readyName, asked: false, other: null };
+    if (before !== null && this.state.readyName !== '') this.restoring_.begin(this.state.readyName);
     if (before !== null && before.server !== hello.server) {
       this.onMessage({
         kind: 'notice',
@@ -254,8 +257,9 @@ export class Viewer {
   }
 
   private scene(message: SceneMessage): void {
-    if (this.restoring_ !== null && message.name !== this.restoring_.scene && this.restores(this.restoring_, message))
-      return;
+    const { show, ask } = this.restoring_.step(message, this.state.hello?.scenes.map((entry) => entry.name) ?? []);
+    if (ask !== null) this.connection_.send({ type: 'scene', name: ask });
+    if (!show) return;
     this.state.scene = message;
     if (message.ready !== null) this.sceneReady(message.name, message.ready);
     if (message.state === 'failed') {
@@ -265,31 +269,14 @@ export class Viewer {
     this.emit('scene');
   }
 
-  /**
-   * True when `message`, of another scene than the one before the reconnect, is to wait because that one is on its
-   * way.
-   */
-  private restores(restoring: Restoring, message: SceneMessage): boolean {
-    if (this.state.hello?.scenes.some((entry) => entry.name === restoring.scene) !== true) {
-      this.restoring_ = null;
-      return false;
-    }
-    if (!restoring.asked) this.connection_.send({ type: 'scene', name: restoring.scene });
-    restoring.asked = true;
-    restoring.other = message;
-    return true;
-  }
-
   /** The scene from before cannot be had again: the server's own takes its place. */
   private giveUpRestoring(): void {
-    const other = this.restoring_?.other ?? null;
-    this.restoring_ = null;
-    if (other !== null) this.scene(other);
+    const own = this.restoring_.giveUp();
+    if (own !== null) this.scene(own);
   }
 
   private sceneReady(name: string, ready: SceneReady): void {
-    const restored = this.restoring_?.scene === name;
-    this.restoring_ = null;
+    const restored = this.restoring_.finish(name);
     this.partition.forget();
     this.state.ready = ready;
     if (this.state.readyName !== name) this.effectCosts.sceneChanged();
@@ -325,29 +312,12 @@ export class Viewer {
     this.stream.receivedRate.push(performance.now(), buffer.byteLength);
     if (frame.kind === 'frame') {
       // While the scene from before a reconnect is on its way, frames show the server's own: not what was looked at.
-      if (this.restoring_ !== null) this.dropped(frame, 'newer');
-      else this.display_.push(frame);
+      this.frames_.arrived(frame, this.restoring_.active);
       return;
     }
     this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
     this.onPicture(frame);
     this.emit('frame');
-  }
-
-  private presented({ frame, decodeMs, time }: Presentation): void {
-    const latency = this.stream.presented(frame, decodeMs, time);
-    this.connection_.send({ type: 'ack', frameId: frame.frameId, presentedMs: latency });
-    this.state.lastFrame = frame;
-    this.state.framesPresented += 1;
-    this.emit('frame');
-  }
-
-  private dropped(frame: Frame, reason: 'newer' | 'undecodable'): void {
-    this.state.framesDropped += 1;
-    this.connection_.send({ type: 'ack', frameId: frame.frameId, presentedMs: null });
-    if (reason === 'undecodable') {
-      this.onMessage({ kind: 'error', text: `Frame ${frame.frameId} could not be decoded (${frame.codec}).` });
-    }
   }
 
   private sendCamera(camera: Camera, moving: boolean, eventTime: number): void {
