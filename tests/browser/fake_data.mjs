@@ -66,7 +66,7 @@ export function effects() {
     const list = words(m[1].replaceAll('""', '" "')).map((word) => word.trim());
     const [, , name, setting, help] = list;
     const because = NOT_CALLED_FOR[name] ?? '3 materials (brass, marble, ...), 1,204 triangles';
-    return { name, calledFor: !(name in NOT_CALLED_FOR), because, help, ...(setting === '' ? {} : { setting }) };
+    return { name, calledFor: !(name in NOT_CALLED_FOR), because, help, setting, simulated: true };
   });
   const atRest = { because: '2 animations (walk, run); shown at rest', help: 'Objects that move in time.' };
   return [...table, { name: 'animation', calledFor: true, simulated: false, ...atRest }];
@@ -119,7 +119,7 @@ export const SCHEDULER = { endLossMs: 0.31, decisionMs: 0.042, batches: 37, reis
 /** Milliseconds and rays of each effect that is called for, on and off. */
 export function effectCosts(scene) {
   const rows = effects()
-    .filter((effect) => effect.calledFor && effect.simulated !== false)
+    .filter((effect) => effect.calledFor && effect.simulated)
     .map(({ name }, i) => ({ name, onMs: 21.4, offMs: 21.4 - 5.2 / (i + 1), raysOn: 4020800, raysOff: 4020800 - i }));
   return { type: 'effectCosts', state: 'ready', scene, device: 'embree', width: 320, height: 180, rows };
 }

@@ -129,7 +129,7 @@ export interface Stats {
   readonly ms: Numbers;
   readonly overheadShare: number;
   readonly tiles: Numbers;
-  readonly parts: readonly DevicePart[]; // empty from an older server
+  readonly parts: readonly DevicePart[];
   readonly scheduler: SchedulerStats | null;
   readonly viewers: number;
   readonly residentBytes: number;
@@ -250,7 +250,7 @@ function sceneReadyOf(fields: Fields): SceneReady {
         because: textOf(effect['because']),
         setting: textOf(effect['setting']) || null,
         help: textOf(effect['help']),
-        simulated: effect['simulated'] !== false, // an older server does not say
+        simulated: effect['simulated'] === true,
       };
     }),
   };

@@ -15,7 +15,7 @@ const CAMERA = { position: [0, 0, 0], forward: [0, 0, -1], up: [0, 1, 0], fieldO
 /** Effects as the page reads them from a scene's message. */
 function effects(list: readonly object[]): SceneReady['effects'] {
   const bounds = { low: [0, 0, 0], high: [1, 1, 1] };
-  const fields = { type: 'scene', name: 'x', state: 'ready', camera: CAMERA, bounds, radius: 1, effects: list };
+  const fields = { type: 'scene', name: 'x', state: 'ready', camera: CAMERA, bounds, radius: 1, effects: list.map((effect) => ({ simulated: true, ...effect })) };
   const message = parseMessage(JSON.stringify(fields));
   assert.ok(message?.type === 'scene' && message.ready !== null);
   return message.ready.effects;
@@ -32,9 +32,9 @@ const SCHEMA = [
 test('effectRows: called for first, each with the setting that allows it', () => {
   const list = effects([
     { name: 'alphaMask', calledFor: false, because: 'no cut-out material' },
-    { name: 'shadows', calledFor: true, because: '2 lights' },
+    { name: 'shadows', calledFor: true, because: '2 lights', setting: 'shadows' },
     { name: 'transparentShadows', calledFor: true, because: 'glass', setting: 'shadows', help: 'Tinted.' },
-    { name: 'environment', calledFor: false, because: 'no image' },
+    { name: 'environment', calledFor: false, because: 'no image', setting: 'environment' },
     { name: 'depthOfField', calledFor: true, because: '', setting: 'aperture' },
   ]);
   assert.deepEqual(

@@ -29,8 +29,7 @@ export interface EffectRow {
 export function effectRows(effects: readonly EffectReason[], schema: readonly SettingRow[]): readonly EffectRow[] {
   const rows = effects.map((effect) => {
     const { name, calledFor, because, help, simulated } = effect;
-    // An older server names no setting: the switch of an effect bears the effect's name.
-    const setting = schema.find((row) => row.name === (effect.setting ?? name)) ?? null;
+    const setting = schema.find((row) => row.name === effect.setting) ?? null;
     const own = setting !== null && setting.name === name && setting.type === 'bool';
     return { name, label: own ? setting.label : capitalised(spacedWords(name)), help, calledFor, because, simulated, setting };
   });
