@@ -230,6 +230,8 @@ export class Viewer {
         return this.error(message.message, message.about, message.inputId);
       case 'pong':
         return this.stream.roundTrips.push(performance.now() - message.time);
+      case undefined:
+        return; // a message of a kind that this page does not know
     }
   }
 
