@@ -201,7 +201,7 @@ std::string chart(const std::string& title, const std::string& unit, const std::
 }
 
 std::string charts(const LoadResult& result) {
-    std::vector<Second> seconds(std::max<size_t>(1, static_cast<size_t>(std::ceil(result.seconds))));
+    std::vector<Second> seconds(std::max<size_t>(1, static_cast<size_t>(std::lround(result.seconds))));
     for (const ViewerResult& viewer : result.viewers) {
         for (const Shown& shown : viewer.viewer->shown()) {
             if (!steady(result, shown)) continue;
