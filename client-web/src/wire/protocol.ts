@@ -4,7 +4,7 @@
 import type { Bounds, Camera } from '../camera/camera.js';
 import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, type Numbers } from './fields.js';
 import { ProtocolError } from './frame.js';
-import { partitionOf, type Partition } from '../panels/partition/partition.js';
+import { partitionOf, type Partition } from './partition_message.js';
 import type { Vec3 } from '../camera/vector.js';
 
 export const PROTOCOL = 'heliograph.v1';

@@ -2,26 +2,12 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { deviceColor, rgbOf } from '../../src/panels/device_colors.js';
 import { ProtocolError } from '../../src/wire/frame.js';
-import {
-  borderLines,
-  describePartition,
-  NOBODY,
-  PartitionStore,
-  pixelShares,
-  type Partition,
-} from '../../src/panels/partition/partition.js';
+import { borderLines, describePartition, PartitionStore, pixelShares } from '../../src/panels/partition/partition.js';
+import { NOBODY, type Partition, type Timeline, type Track } from '../../src/wire/partition_message.js';
 import { pictureBox, placeInPicture } from '../../src/picture/picture_box.js';
 import { parseMessage } from '../../src/wire/protocol.js';
 import { ShownPartition } from '../../src/panels/partition/shown_partition.js';
-import {
-  busyBins,
-  busyShare,
-  describeAt,
-  MOST_ROWS,
-  timelineRows,
-  type Timeline,
-  type Track,
-} from '../../src/panels/partition/timeline.js';
+import { busyBins, busyShare, describeAt, MOST_ROWS, timelineRows } from '../../src/panels/partition/timeline.js';
 
 /** 50 x 20 pixels in cells of 16 x 16: 4 columns, 2 rows, the last ones 2 and 4 pixels. */
 const MESSAGE = {

@@ -1,77 +1,9 @@
-// Who made which cell of a frame: reading the message of docs/protocol.md, and the geometry of its display. Knows no DOM.
+// Who made which cell of a frame: the geometry of its display. Knows no DOM.
 
-import type { Fields } from '../../wire/fields.js';
-import { listOf } from '../../wire/fields.js';
 import { percent } from '../../page/format.js';
-import { ProtocolError } from '../../wire/frame.js';
+import { NOBODY, type Partition } from '../../wire/partition_message.js';
 import { isNewer } from '../../picture/frame_queue.js';
-import { busyShare, timelineOf, timelineRows, type Timeline, type TimelineRow } from './timeline.js';
-
-/** In `owners`: no device. */
-export const NOBODY = 255;
-const MOST_DEVICES = 36; // one base-36 digit
-const LARGEST_SIDE = 65_535; // pixels, as a frame's header has them
-
-export interface Partition {
-  readonly type: 'partition';
-  readonly frameId: number;
-  readonly width: number; // rendered pixels
-  readonly height: number;
-  readonly cellWidth: number; // pixels
-  readonly cellHeight: number;
-  readonly columns: number;
-  readonly rows: number;
-  readonly devices: readonly string[];
-  readonly owners: Uint8Array; // per cell, row by row: index into devices, or NOBODY
-  readonly timeline: Timeline | null;
-}
-
-/** Throws ProtocolError naming field, found value and what is allowed. */
-export function partitionOf(fields: Fields): Partition {
-  const whole = (name: string, low: number, high: number): number => {
-    const value = fields[name];
-    if (typeof value === 'number' && Number.isInteger(value) && value >= low && value <= high) return value;
-    throw new ProtocolError(`partition.${name}: ${JSON.stringify(value)}, allowed: ${low} to ${high}`);
-  };
-  const [width, height] = [whole('width', 1, LARGEST_SIDE), whole('height', 1, LARGEST_SIDE)];
-  const [cellWidth, cellHeight] = [whole('cellWidth', 1, LARGEST_SIDE), whole('cellHeight', 1, LARGEST_SIDE)];
-  const columns = Math.ceil(width / cellWidth);
-  const rows = Math.ceil(height / cellHeight);
-  const devices = listOf(fields['devices']).map(String);
-  if (devices.length > MOST_DEVICES) {
-    throw new ProtocolError(`partition.devices: ${devices.length}, allowed: at most ${MOST_DEVICES}`);
-  }
-  return {
-    type: 'partition',
-    frameId: whole('frameId', 0, 0xffffffff),
-    width,
-    height,
-    cellWidth,
-    cellHeight,
-    columns,
-    rows,
-    devices,
-    owners: ownersOf(fields['cells'], columns * rows, devices.length),
-    timeline: timelineOf(fields['timeline']),
-  };
-}
-
-function ownersOf(cells: unknown, count: number, devices: number): Uint8Array {
-  if (typeof cells !== 'string' || cells.length !== count) {
-    const found = typeof cells === 'string' ? `${cells.length} cells` : JSON.stringify(cells);
-    throw new ProtocolError(`partition.cells: ${found}, allowed: ${count} cells`);
-  }
-  const owners = new Uint8Array(count);
-  for (let i = 0; i < count; i += 1) {
-    const digit = cells[i]!;
-    const owner = digit === '.' ? NOBODY : /[0-9a-z]/.test(digit) ? Number.parseInt(digit, 36) : NaN;
-    if (owner !== NOBODY && !(owner < devices)) {
-      throw new ProtocolError(`partition.cells[${i}]: "${digit}", allowed: "." or a digit below ${devices}`);
-    }
-    owners[i] = owner;
-  }
-  return owners;
-}
+import { busyShare, timelineRows, type TimelineRow } from './timeline.js';
 
 /** Share of the picture's pixels, 0..1, of each device in their order, and of nobody as the last entry. */
 export function pixelShares(partition: Partition): readonly number[] {

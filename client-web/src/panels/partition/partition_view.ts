@@ -4,7 +4,8 @@
 import { deviceColor, rgbOf } from '../device_colors.js';
 import { el, setText } from '../../page/dom.js';
 import { percent } from '../../page/format.js';
-import { borderLines, describePartition, NOBODY, pixelShares, type Partition } from './partition.js';
+import { borderLines, describePartition, pixelShares } from './partition.js';
+import { NOBODY, type Partition } from '../../wire/partition_message.js';
 import { pictureBox, type Box } from '../../picture/picture_box.js';
 import { TimelineView } from './timeline_view.js';
 import type { Viewer } from '../../viewer.js';

@@ -1,7 +1,8 @@
 // Which partition lies over the picture at the moment: the one that came with it, while it is wanted.
 
 import type { Frame } from '../../wire/frame.js';
-import { PartitionStore, type Partition } from './partition.js';
+import { PartitionStore } from './partition.js';
+import type { Partition } from '../../wire/partition_message.js';
 
 export interface Shown {
   readonly partition: Partition;

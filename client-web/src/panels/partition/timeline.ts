@@ -1,25 +1,7 @@
-// Who worked when in one frame: reading it, gathering it to rows that fit, and saying it in words. Knows no DOM.
+// Who worked when in one frame: gathering it to rows that fit, and saying it in words. Knows no DOM.
 
-import { fieldsOf, isObject, listOf, textOf } from '../../wire/fields.js';
 import { percent, whole } from '../../page/format.js';
-import { ProtocolError } from '../../wire/frame.js';
-
-export interface Batch {
-  readonly beginMs: number; // since the frame's begin
-  readonly endMs: number;
-  readonly cells: number;
-}
-
-export interface Track {
-  readonly device: string;
-  readonly worker: number;
-  readonly batches: readonly Batch[];
-}
-
-export interface Timeline {
-  readonly ms: number; // of the whole frame
-  readonly workers: readonly Track[];
-}
+import type { Batch, Timeline, Track } from '../../wire/partition_message.js';
 
 /** A row of the picture of a timeline: one worker, or all workers of a device. */
 export interface TimelineRow {
@@ -30,34 +12,6 @@ export interface TimelineRow {
 
 /** With more workers than this, the rows are devices. */
 export const MOST_ROWS = 32;
-
-function batchOf(value: unknown): Batch {
-  const [beginMs, endMs, cells] = listOf(value);
-  if (typeof beginMs !== 'number' || typeof endMs !== 'number' || typeof cells !== 'number') {
-    throw new ProtocolError(`partition.timeline batch: ${JSON.stringify(value)}, allowed: [begin, end, cells]`);
-  }
-  // Times come from devices, and one may be wrong about them: a batch that ends before it begins took no time.
-  return { beginMs, endMs: Math.max(beginMs, endMs), cells };
-}
-
-/** Null where the message has none. Throws ProtocolError. */
-export function timelineOf(value: unknown): Timeline | null {
-  if (!isObject(value)) return null;
-  const ms = value['ms'];
-  if (typeof ms !== 'number' || !(ms >= 0)) {
-    throw new ProtocolError(`partition.timeline.ms: ${JSON.stringify(ms)}, allowed: 0 or more`);
-  }
-  const workers = listOf(value['workers']).map((entry) => {
-    const fields = fieldsOf(entry);
-    const worker = fields['worker'];
-    return {
-      device: textOf(fields['device']),
-      worker: typeof worker === 'number' ? worker : 0,
-      batches: listOf(fields['batches']).map(batchOf),
-    };
-  });
-  return { ms, workers };
-}
 
 /** One row per worker, or one per device where there are too many; those of a device stand together. */
 export function timelineRows(timeline: Timeline): readonly TimelineRow[] {

@@ -3,7 +3,8 @@
 
 import { deviceColor } from '../device_colors.js';
 import { el, setText } from '../../page/dom.js';
-import { busyBins, describeAt, timelineRows, type Timeline, type TimelineRow } from './timeline.js';
+import { busyBins, describeAt, timelineRows, type TimelineRow } from './timeline.js';
+import type { Timeline } from '../../wire/partition_message.js';
 import { clamp } from '../../camera/vector.js';
 
 const REACH_PIXELS = 4; // how near to a batch counts as on it

@@ -1,0 +1,115 @@
+// Who made which cell of a frame, and who worked when, as docs/protocol.md tells it.
+
+import { fieldsOf, isObject, listOf, textOf, type Fields } from './fields.js';
+import { ProtocolError } from './frame.js';
+
+export interface Batch {
+  readonly beginMs: number; // since the frame's begin
+  readonly endMs: number;
+  readonly cells: number;
+}
+
+export interface Track {
+  readonly device: string;
+  readonly worker: number;
+  readonly batches: readonly Batch[];
+}
+
+export interface Timeline {
+  readonly ms: number; // of the whole frame
+  readonly workers: readonly Track[];
+}
+
+/** In `owners`: no device. */
+export const NOBODY = 255;
+const MOST_DEVICES = 36; // one base-36 digit
+const LARGEST_SIDE = 65_535; // pixels, as a frame's header has them
+
+export interface Partition {
+  readonly type: 'partition';
+  readonly frameId: number;
+  readonly width: number; // rendered pixels
+  readonly height: number;
+  readonly cellWidth: number; // pixels
+  readonly cellHeight: number;
+  readonly columns: number;
+  readonly rows: number;
+  readonly devices: readonly string[];
+  readonly owners: Uint8Array; // per cell, row by row: index into devices, or NOBODY
+  readonly timeline: Timeline | null;
+}
+
+/** Throws ProtocolError naming field, found value and what is allowed. */
+export function partitionOf(fields: Fields): Partition {
+  const whole = (name: string, low: number, high: number): number => {
+    const value = fields[name];
+    if (typeof value === 'number' && Number.isInteger(value) && value >= low && value <= high) return value;
+    throw new ProtocolError(`partition.${name}: ${JSON.stringify(value)}, allowed: ${low} to ${high}`);
+  };
+  const [width, height] = [whole('width', 1, LARGEST_SIDE), whole('height', 1, LARGEST_SIDE)];
+  const [cellWidth, cellHeight] = [whole('cellWidth', 1, LARGEST_SIDE), whole('cellHeight', 1, LARGEST_SIDE)];
+  const columns = Math.ceil(width / cellWidth);
+  const rows = Math.ceil(height / cellHeight);
+  const devices = listOf(fields['devices']).map(String);
+  if (devices.length > MOST_DEVICES) {
+    throw new ProtocolError(`partition.devices: ${devices.length}, allowed: at most ${MOST_DEVICES}`);
+  }
+  return {
+    type: 'partition',
+    frameId: whole('frameId', 0, 0xffffffff),
+    width,
+    height,
+    cellWidth,
+    cellHeight,
+    columns,
+    rows,
+    devices,
+    owners: ownersOf(fields['cells'], columns * rows, devices.length),
+    timeline: timelineOf(fields['timeline']),
+  };
+}
+
+function ownersOf(cells: unknown, count: number, devices: number): Uint8Array {
+  if (typeof cells !== 'string' || cells.length !== count) {
+    const found = typeof cells === 'string' ? `${cells.length} cells` : JSON.stringify(cells);
+    throw new ProtocolError(`partition.cells: ${found}, allowed: ${count} cells`);
+  }
+  const owners = new Uint8Array(count);
+  for (let i = 0; i < count; i += 1) {
+    const digit = cells[i]!;
+    const owner = digit === '.' ? NOBODY : /[0-9a-z]/.test(digit) ? Number.parseInt(digit, 36) : NaN;
+    if (owner !== NOBODY && !(owner < devices)) {
+      throw new ProtocolError(`partition.cells[${i}]: "${digit}", allowed: "." or a digit below ${devices}`);
+    }
+    owners[i] = owner;
+  }
+  return owners;
+}
+
+function batchOf(value: unknown): Batch {
+  const [beginMs, endMs, cells] = listOf(value);
+  if (typeof beginMs !== 'number' || typeof endMs !== 'number' || typeof cells !== 'number') {
+    throw new ProtocolError(`partition.timeline batch: ${JSON.stringify(value)}, allowed: [begin, end, cells]`);
+  }
+  // Times come from devices, and one may be wrong about them: a batch that ends before it begins took no time.
+  return { beginMs, endMs: Math.max(beginMs, endMs), cells };
+}
+
+/** Null where the message has none. Throws ProtocolError. */
+export function timelineOf(value: unknown): Timeline | null {
+  if (!isObject(value)) return null;
+  const ms = value['ms'];
+  if (typeof ms !== 'number' || !(ms >= 0)) {
+    throw new ProtocolError(`partition.timeline.ms: ${JSON.stringify(ms)}, allowed: 0 or more`);
+  }
+  const workers = listOf(value['workers']).map((entry) => {
+    const fields = fieldsOf(entry);
+    const worker = fields['worker'];
+    return {
+      device: textOf(fields['device']),
+      worker: typeof worker === 'number' ? worker : 0,
+      batches: listOf(fields['batches']).map(batchOf),
+    };
+  });
+  return { ms, workers };
+}
