@@ -34,13 +34,26 @@ Film::Reading::~Reading() {
 void Film::reset(uvec2 resolution, uint32_t generation) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return adds_ == 0 && readers_ == 0; });
+    resolution_ = blockCount_ = uvec2(0);
+    blocks_.clear();
+    const uvec2 count(blocksOf(resolution.x), blocksOf(resolution.y));
+    firstSums_.fit(static_cast<size_t>(resolution.x) * resolution.y);
+    blocks_.assign(static_cast<size_t>(count.x) * count.y, Block{});
     resolution_ = resolution;
-    blockCount_ = uvec2(blocksOf(resolution.x), blocksOf(resolution.y));
+    blockCount_ = count;
     generation_ = generation;
-    // The sums are not cleared: the first add of a block writes them.
-    firstSums_.resize(static_cast<size_t>(resolution.x) * resolution.y);
-    sums_.resize(firstSums_.size());
-    blocks_.assign(static_cast<size_t>(blockCount_.x) * blockCount_.y, Block{});
+}
+
+void Film::makeRoomForSums() {
+    std::unique_lock lock(mutex_);
+    if (sums_.size >= pixelCount()) return;
+    changed_.wait(lock, [&] { return adds_ == 0 && readers_ == 0; });
+    sums_.fit(pixelCount());
+}
+
+size_t Film::bytes() const {
+    std::lock_guard lock(mutex_);
+    return firstSums_.size * sizeof(vec4) + sums_.size * sizeof(glm::dvec4) + blocks_.capacity() * sizeof(Block);
 }
 
 bool Film::fits(const Tile& tile) const {
@@ -79,6 +92,7 @@ bool Film::claim(const TileResult& result) {
         return !continues() || (readers_ == 0 && everyBlock(tile, [](const Block& b) { return !b.busy; }));
     });
     if (!continues()) return false;
+    if (tile.firstSample > 0) sums_.fit(pixelCount());
     everyBlock(tile, [&](Block& b) {
         b.samples += tile.sampleCount;
         b.busy = true;
@@ -182,7 +196,7 @@ void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
 double Film::relativeError() const {
     Reading reading(*this);
     // One pixel in 16 on a slanted grid is plenty for a figure over the whole picture and keeps this off the frame's time.
-    const uint32_t step = firstSums_.size() > 65536 ? 16 : 1;
+    const uint32_t step = pixelCount() > 65536 ? 16 : 1;
     double sumOfMeans = 0.0, sumOfErrors = 0.0;
     uint64_t count = 0;
     for (uint32_t y = 0; y < resolution_.y; y++) {

@@ -5,6 +5,7 @@
 #include "server/film/tile.h"
 
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 
 namespace heliograph {
@@ -15,8 +16,14 @@ public:
     /// starts on a block's border and ends on one or at the picture's edge.
     static constexpr uint32_t BLOCK = 8;
 
-    /// Empties the film for a new request. Allocates only when the size grows. Waits for adds in progress.
+    /// Empties the film for a new request. Allocates only when the size grows: 16 bytes a pixel. Waits for adds in progress.
+    /// Throws std::bad_alloc; the film is then without pixels until the next reset.
     void reset(uvec2 resolution, uint32_t generation);
+    /// Makes room for second samples, 32 bytes a pixel more, unless there is some: before the first pass that needs it, so that
+    /// `add` does not have to. Throws std::bad_alloc; the film keeps what it holds.
+    void makeRoomForSums();
+    /// Memory that the film holds.
+    size_t bytes() const;
     /// Adds a result. False, and nothing changes, if it is of another generation, is not made of whole blocks, does not
     /// hold a sum per pixel, or does not start at the sample that all its blocks have reached. Safe from several threads.
     bool add(const TileResult& result);
@@ -40,6 +47,23 @@ public:
     std::vector<float> cellErrors(uvec2 cellSize) const;
 
 private:
+    /// Values that are not cleared.
+    template <typename T>
+    struct Buffer {
+        std::unique_ptr<T[]> data;
+        size_t size = 0;
+
+        void fit(size_t wanted) {
+            if (wanted <= size) return;
+            size = 0;
+            data.reset();  // first, so that not both are held
+            data = std::make_unique_for_overwrite<T[]>(wanted);
+            size = wanted;
+        }
+        T& operator[](size_t i) { return data[i]; }
+        const T& operator[](size_t i) const { return data[i]; }
+    };
+
     struct Block {
         uint32_t samples = 0;
         bool busy = false;  // an add writes its pixels
@@ -67,14 +91,15 @@ private:
     glm::dvec4 sumOf(const Block& block, size_t pixel) const;
     template <typename Visit>
     bool everyBlock(const Tile& tile, Visit visit);
+    size_t pixelCount() const { return static_cast<size_t>(resolution_.x) * resolution_.y; }
 
     uvec2 resolution_{0, 0};
     uvec2 blockCount_{0, 0};
     uint32_t generation_ = 0;
     // Sums: rgb, squared luminance; meaningless where the block has no samples. What the first add brings is a float and is
-    // kept as one: while a viewer moves there is no second, and half the memory is touched.
-    std::vector<vec4> firstSums_;
-    std::vector<glm::dvec4> sums_;
+    // kept as one: while a viewer moves there is no second, and no sums.
+    Buffer<vec4> firstSums_;
+    Buffer<glm::dvec4> sums_;
     std::vector<Block> blocks_;
     mutable std::mutex mutex_;  // guards all but the sums, which belong to the claimed blocks or to the readers
     mutable std::condition_variable changed_;

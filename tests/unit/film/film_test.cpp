@@ -33,6 +33,34 @@ TEST(Film, AddsSumsAndDevelopsTheMean) {
     EXPECT_EQ(film.completedSamples(), 4u);
 }
 
+// While a viewer moves there is one sample a pixel, and it costs 16 bytes.
+TEST(Film, ASecondSampleCostsMemoryAndTheFirstDoesNot) {
+    constexpr uvec2 SIZE{256, 128};
+    constexpr size_t PIXELS = size_t{SIZE.x} * SIZE.y;
+    Film film;
+    for (uint32_t generation = 1; generation <= 3; generation++) {
+        film.reset(SIZE, generation);
+        EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, SIZE, 0, 1, generation), vec4(1))));
+        EXPECT_LE(film.bytes(), PIXELS * 16 + PIXELS);
+    }
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, SIZE, 1, 1, 3), vec4(3))));
+    EXPECT_GE(film.bytes(), PIXELS * 48);
+    EXPECT_LE(film.bytes(), PIXELS * 48 + PIXELS);
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    EXPECT_EQ(pixels[0], vec4(2, 2, 2, 2));
+}
+
+TEST(Film, RoomForSumsCanBeMadeBefore) {
+    Film film;
+    film.reset(uvec2(16, 8), 1);
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, {16, 8}), vec4(1))));
+    film.makeRoomForSums();
+    const size_t bytes = film.bytes();
+    EXPECT_TRUE(film.add(resultFor(tileAt({0, 0}, {16, 8}, 1), vec4(2))));
+    EXPECT_EQ(film.bytes(), bytes);
+}
+
 TEST(Film, PixelsWithoutSamplesAreBlack) {
     Film film;
     film.reset(uvec2(16, 8), 1);
