@@ -13,9 +13,9 @@ struct ServiceOptions {
     SceneCache::Opener openScene;
     DeviceOffer devices;              // viewers choose between them
     Settings defaults;                // of every viewer
-    /// Pixels of all viewers' pictures together. A film takes 48 bytes a pixel and a viewer has two: 9 GiB for three
-    /// viewers at 7680x4320.
-    uint64_t pixelLimit = 3 * MAX_PIXELS;
+    /// Pixels of all films together. One takes 16 bytes a pixel, 48 from its second sample on, and a viewer may have three: 13 GiB
+    /// for three viewers at 7680x4320.
+    uint64_t pixelLimit = 3 * FilmPool::FILMS * MAX_PIXELS;
 };
 
 class Service : private SessionHost, private SocketHandler {

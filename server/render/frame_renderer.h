@@ -1,11 +1,8 @@
 #pragma once
-// Renders a frame into a film from start to end on one device: for commands and benchmarks, which know beforehand how many
-// samples they want. (A viewer's frames, which newer ones cut short, are the session's.)
+// A whole frame in one call, for commands and benchmarks, which know beforehand how many samples they want. (A viewer's frames,
+// which newer ones cut short, are those of stream/frame_loop.)
 
-#include "server/device/device.h"
-#include "server/film/film.h"
-
-#include <map>
+#include "server/render/pass_renderer.h"
 
 namespace heliograph {
 
@@ -19,8 +16,7 @@ struct FrameStats {
 
 /// Resets the film and gives every pixel `samples` samples, one sample per pass over the tiles of the settings' size. Each
 /// pixel's sums grow in the same order whatever the tiles and threads, so equal requests give equal films bit for bit.
-/// The device holds the scene already. Ends early, with fewer samples, when `stop` is asked for. Throws what the device
-/// throws, and std::runtime_error when it leaves a tile out.
+/// The device holds the scene already. Ends early, with fewer samples, when `stop` is asked for. Throws what PassRenderer does.
 FrameStats renderFrame(Device& device, const FrameRequest& request, uint32_t samples, Film& film, std::stop_token stop = {},
                        const Progress& progress = {});
 

@@ -42,7 +42,7 @@ struct EffectMeter::Round {
     RayCounts rays;
 };
 
-EffectMeter::EffectMeter(Turns& turns, std::function<void(News&&)> listener) : turns_(turns), listener_(std::move(listener)) {}
+EffectMeter::EffectMeter(Turns& turns, std::function<void(News&&)> listener) : passes_(turns), listener_(std::move(listener)) {}
 
 EffectMeter::~EffectMeter() { drop(); }
 
@@ -99,7 +99,7 @@ std::optional<EffectCosts> EffectMeter::measured(const Order& order, std::stop_t
     }
     const size_t frames = rounds.size() * (REPETITIONS + 1);
     order.scene->device->prepare(base.settings);  // others go on rendering meanwhile
-    secondsPerTile_ = 0.0;
+    passes_.forget();
     RayCounts rays;
     std::optional<double> seconds;
     base.resolution = scaledTo(film, static_cast<double>(TRIAL_PIXELS));
@@ -132,33 +132,12 @@ std::optional<EffectCosts> EffectMeter::measured(const Order& order, std::stop_t
 
 /// Seconds of wall time within turns; nothing when it was dropped.
 std::optional<double> EffectMeter::frame(const Order& order, FrameRequest request, std::stop_token stop, RayCounts& rays) {
-    using Clock = std::chrono::steady_clock;
-    Device& device = *order.scene->device;
     request.generation = ++generation_;
-    film_->reset(request.resolution, generation_);
-    const std::vector<Tile> tiles = film_->tilesFor(0, 1, tileSize(request.settings));
-    const uint32_t workers = device.infoFor(request.settings).workers;
-    std::mutex mutex;  // of rays
-    auto sink = [&](TileResult&& result) {
-        if (!film_->add(result)) return;
-        std::lock_guard lock(mutex);
-        rays.add(result.rays);
-    };
-    double seconds = 0.0;
-    for (size_t done = 0; done < tiles.size();) {
-        std::optional<Turns::Turn> turn = turns_.take(account_, stop);
-        if (!turn) return std::nullopt;
-        const size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.shared(account_)));
-        const Clock::time_point begin = Clock::now();
-        device.render(request, std::span(tiles).subspan(done, count), sink, stop);
-        const double slice = std::chrono::duration<double>(Clock::now() - begin).count();
-        if (stop.stop_requested()) return std::nullopt;
-        seconds += slice;
-        secondsPerTile_ = slice / static_cast<double>(count);
-        done += count;
-    }
-    if (film_->completedSamples() == 0) throw std::runtime_error("device " + device.info().name + " left out tiles of a pass");
-    return seconds;
+    film_->reset(request.resolution, request.generation);
+    PassFigures figures;
+    if (!passes_.render({*order.scene->device, request, *film_, 0, std::move(stop)}, figures)) return std::nullopt;
+    rays.add(figures.rays);
+    return figures.lastPassSeconds;
 }
 
 }  // namespace heliograph

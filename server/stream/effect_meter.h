@@ -59,12 +59,10 @@ private:
     std::optional<EffectCosts> measured(const Order& order, std::stop_token stop);
     std::optional<double> frame(const Order& order, FrameRequest request, std::stop_token stop, RayCounts& rays);
 
-    Turns& turns_;
+    PassRenderer passes_;
     const std::function<void(News&&)> listener_;
-    Turns::Account account_;
     std::optional<Film> film_;  // while it measures
     uint32_t generation_ = 0;
-    double secondsPerTile_ = 0.0;
 
     std::mutex mutex_;  // of all below
     std::condition_variable_any changed_;

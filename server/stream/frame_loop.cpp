@@ -1,10 +1,6 @@
 #include "server/stream/frame_loop.h"
 
-#include "server/base/clock.h"
-
 #include <algorithm>
-#include <bit>
-#include <stdexcept>
 #include <utility>
 
 namespace heliograph {
@@ -15,34 +11,23 @@ double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::s
     return std::chrono::duration<double>(to - from).count();
 }
 
-/// The device's bit in the frame header.
-uint32_t deviceBit(const std::string& device) {
-    if (device.starts_with("embree")) return 1;
-    if (device.starts_with("vulkan")) return 2;
-    if (device.starts_with("raster")) return 4;
-    return 8;
-}
-
-/// The report of a device that worked alone since `begin`.
-ScheduleReport aloneReport(const Partition& partition, double begin, uint32_t tiles) {
-    ScheduleReport report;
-    if (partition.devices.empty()) return report;
-    report.begin = begin;
-    report.end = wallSeconds();
-    report.seconds = report.end - begin;
-    report.batches = 1;
-    DeviceReport device;
-    device.name = partition.devices.back();
-    device.tiles = tiles;
-    report.devices.push_back(device);
-    report.workers.push_back({0, 0, {{begin, report.end, tiles, report.seconds}}});
-    return report;
+/// `before`: where the camera was a frame ago; without it nothing is blurred by motion.
+FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uint32_t generation, const std::optional<Camera>& before) {
+    FrameRequest request;
+    request.camera = view.camera;
+    request.settings = view.settings;
+    request.effects.bits = scene.effects.bits & allowedEffects(view.settings).bits;
+    request.resolution = filmSize(view);
+    request.generation = generation;
+    request.previousCamera = before;
+    if (!before || *before == view.camera) request.effects.bits &= ~EFFECT_MOTION_BLUR;
+    return request;
 }
 
 }  // namespace
 
-FrameLoop::FrameLoop(Turns& turns, FrameReceiver& receiver)
-    : turns_(turns), receiver_(receiver), thread_([this](std::stop_token stop) { run(stop); }) {}
+FrameLoop::FrameLoop(Turns& turns, FrameReceiver& receiver, FilmPool films)
+    : turns_(turns), receiver_(receiver), passes_(turns), films_(std::move(films)), thread_([this](std::stop_token stop) { run(stop); }) {}
 
 FrameLoop::~FrameLoop() { stop(); }
 
@@ -67,6 +52,7 @@ void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene, const std::option
         retry_ = true;
         news_++;
         focusAsked_.reset();
+        pictureAsked_ = false;
         if (pass_.running) pass_.stop.request_stop();
     }
     changed_.notify_all();
@@ -142,7 +128,8 @@ uint64_t FrameLoop::takeNews() {
         newScene_.reset();
         view_.reset();
         picture_.reset();
-        secondsPerTile_ = 0.0;
+        pictureWanted_ = false;
+        passes_.forget();
         history_->costs.forget();
         reach_.forget();
     }
@@ -152,7 +139,7 @@ uint64_t FrameLoop::takeNews() {
     std::optional<bool> playing = std::exchange(playing_, std::nullopt);
     if (pictureAsked_ && resident_ && wish_) {
         pictureAsked_ = false;
-        startPicture();
+        pictureWanted_ = true;
     }
     focus_ = std::exchange(focusAsked_, std::nullopt);
     uint64_t seen = news_;
@@ -173,6 +160,7 @@ bool FrameLoop::step() {
     }
     if (!resident_ || !wish_ || broken_) return false;
     followPath();
+    if (std::exchange(pictureWanted_, false)) beginPicture();
     if (!adopt()) return false;
     if (deliver()) return true;
     bool unfinished = samples_ < view_->settings.samples;
@@ -199,8 +187,7 @@ void FrameLoop::endRun() {
 
 /// Makes the wish the film's view. False: the film holds a first pass that the viewer should have before it is overwritten.
 bool FrameLoop::adopt() {
-    // What moved and is blurred is made again sharp when it rests.
-    if (view_ && sameFilm(*view_, *wish_) && !(blurred_ && !wish_->moving)) {
+    if (showsWish()) {
         view_ = wish_;
         return true;
     }
@@ -216,13 +203,20 @@ bool FrameLoop::adopt() {
     return true;
 }
 
+/// Whether samples of the film are samples of the wish. What moved and is blurred is made again sharp when it rests.
+bool FrameLoop::showsWish() const {
+    return view_ && sameFilm(*view_, *wish_) && (wish_->moving || !request_.effects.has(EFFECT_MOTION_BLUR));
+}
+
+/// Without memory for it the viewer keeps the last picture and is told why.
 void FrameLoop::startFilm() {
-    if (film_ && film_.use_count() > 1) std::swap(film_, spare_);
-    if (!film_ || film_.use_count() > 1) film_ = std::make_shared<Film>();
-    film_->reset(filmSize(*wish_), ++generation_);
-    cameraBefore_ = view_ && wish_->moving ? std::optional(view_->camera) : std::nullopt;
+    const std::optional<Camera> before = view_ && wish_->moving ? std::optional(view_->camera) : std::nullopt;
+    view_.reset();
+    film_.reset();
+    film_ = films_.next(filmSize(*wish_), ++generation_);
     view_ = wish_;
-    blurred_ = requestFor(*film_, *view_, cameraBefore_).effects.has(EFFECT_MOTION_BLUR);
+    request_ = requestFor(*resident_, *view_, generation_, before);
+    request_.history = history_;
     samples_ = 0;
     delivered_ = {};
     figures_.devices = 0;  // what a pass that was given up left behind is not in this film
@@ -261,13 +255,13 @@ void FrameLoop::renderFilm() {
     uint32_t first = samples_;
     std::stop_token cancelled = beginPass(*view_, first, true);
     resident_->device->prepare(view_->settings);  // others go on rendering meanwhile
-    std::optional<Turns::Turn> turn = turns_.take(account_, cancelled);
+    std::optional<Turns::Turn> turn = passes_.take(cancelled);
     if (!turn) return endPass(false);
     if (first == 0) {
         useLatestWish();
         inputSeconds_ = secondsBetween(view_->received, Clock::now());
     }
-    bool completed = renderPass(*film_, *view_, first, cancelled, std::move(turn), figures_, history_);
+    bool completed = renderPass(request_, *film_, first, cancelled, std::move(turn), figures_);
     endPass(completed);
     if (!completed) return;
     samples_ = film_->completedSamples();
@@ -281,10 +275,19 @@ void FrameLoop::useLatestWish() {
         wish_ = newest_;
     }
     followPath();
-    if (sameFilm(*view_, *wish_) && !(blurred_ && !wish_->moving)) view_ = wish_;
+    if (showsWish()) view_ = wish_;
     else startFilm();
     std::lock_guard lock(mutex_);
     pass_.view = *view_;
+}
+
+/// Without memory for it the viewer is told why, and the film goes on.
+void FrameLoop::beginPicture() {
+    try {
+        startPicture();
+    } catch (const std::exception& e) {
+        receiver_.failed(e.what());
+    }
 }
 
 void FrameLoop::startPicture() {
@@ -292,13 +295,14 @@ void FrameLoop::startPicture() {
     job.view = view_ ? *view_ : *wish_;
     job.view.settings.renderScale = 1.0f;
     job.samples = std::max(samples_, 1u);
-    job.history = std::make_shared<FrameHistory>();
     if (view_ && samples_ > 0 && filmSize(*view_) == view_->resolution) {
         job.film = film_;
+        job.request = request_;
     } else {
-        job.film = std::make_shared<Film>();
-        job.film->reset(filmSize(job.view), ++generation_);
+        job.request = requestFor(*resident_, job.view, ++generation_, std::nullopt);
+        job.film = films_.extra(job.request.resolution, job.request.generation);
     }
+    job.request.history = std::make_shared<FrameHistory>();
     picture_ = std::move(job);
 }
 
@@ -307,8 +311,7 @@ bool FrameLoop::finishPicture() {
     uint32_t finished = picture_->film->completedSamples();
     if (finished < picture_->samples) {
         std::stop_token cancelled = beginPass(picture_->view, finished, false);
-        bool completed = renderPass(*picture_->film, picture_->view, finished, cancelled, std::nullopt, picture_->figures,
-                                    picture_->history);
+        bool completed = renderPass(picture_->request, *picture_->film, finished, cancelled, std::nullopt, picture_->figures);
         endPass(completed);
         return true;
     }
@@ -346,94 +349,11 @@ void FrameLoop::endPass(bool completed) {
     else if (pass_.firstSample == 0) cancelledBefore_ = true;
 }
 
-/// `before`: where the camera was a frame ago; without it nothing is blurred by motion.
-FrameRequest FrameLoop::requestFor(const Film& film, const ViewRequest& view, const std::optional<Camera>& before) const {
-    FrameRequest request;
-    request.camera = view.camera;
-    request.settings = view.settings;
-    request.effects.bits = resident_->effects.bits & allowedEffects(view.settings).bits;
-    request.resolution = film.resolution();
-    request.generation = film.generation();
-    request.previousCamera = before;
-    if (!before || *before == view.camera) request.effects.bits &= ~EFFECT_MOTION_BLUR;
-    return request;
-}
-
-/// One sample for every pixel, a slice of tiles a turn. False when cancelled.
-bool FrameLoop::renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
-                           std::optional<Turns::Turn> turn, PassFigures& figures,
-                           const std::shared_ptr<FrameHistory>& history) {
-    FrameRequest request = requestFor(film, view, &film == film_.get() ? cameraBefore_ : std::nullopt);
-    const uvec2 cellSize = glm::min(tileSize(view.settings), film.resolution());
-    const std::vector<Tile> tiles = film.tilesFor(firstSample, 1, cellSize);
-    request.history = history;
-    request.reach = reach_.of(request);
-    beginHistory(*history, film, view, cellSize);
-    std::shared_ptr<Partition> partition;
-    if (view.settings.showPartition) {
-        partition = std::make_shared<Partition>();
-        partition->begin(film.resolution(), cellSize);
-    }
-    const uint32_t workers = resident_->device->infoFor(view.settings).workers;
-
-    figures.lastRays = {};
-    figures.lastPassSeconds = 0.0;
-    for (size_t done = 0; done < tiles.size();) {
-        if (!turn) {
-            std::optional<Turns::Turn> next = turns_.take(account_, cancelled);
-            if (!next) return false;
-            turn.emplace(std::move(*next));
-        }
-        size_t count = std::min(tiles.size() - done, tilesPerTurn(secondsPerTile_, workers, turns_.shared(account_)));
-        double seconds = renderSlice(request, std::span(tiles).subspan(done, count), film, cancelled, figures, partition.get());
-        turn.reset();
-        figures.lastPassSeconds += seconds;
-        figures.renderSeconds += seconds;
-        if (cancelled.stop_requested()) return false;
-        double perTile = seconds / static_cast<double>(count);
-        secondsPerTile_ = secondsPerTile_ > 0.0 ? 0.5 * (secondsPerTile_ + perTile) : perTile;
-        done += count;
-    }
-    figures.passes++;
-    history->costs.end();
-    figures.schedule = history->report;
-    if (partition && !history->report.devices.empty()) partition->report = history->report;
-    figures.partition = std::move(partition);
-    if (film.completedSamples() <= firstSample) {
-        throw std::runtime_error("device " + resident_->device->infoFor(view.settings).name + " left out tiles of a pass");
-    }
-    return true;
-}
-
-/// Returns the wall time.
-double FrameLoop::renderSlice(const FrameRequest& request, std::span<const Tile> tiles, Film& film, std::stop_token cancelled,
-                              PassFigures& figures, Partition* partition) {
-    std::mutex mutex;
-    Clock::time_point begin = Clock::now();
-    auto sink = [&](TileResult&& result) {
-        if (!film.add(result)) return;
-        std::lock_guard lock(mutex);
-        figures.rays.add(result.rays);
-        figures.lastRays.add(result.rays);
-        figures.tiles[result.device]++;
-        figures.nonfiniteSamples += result.nonfiniteSamples;
-        figures.coreSeconds += result.seconds;
-        figures.devices |= deviceBit(result.device);
-        if (partition) partition->note(result.tile, result.device);
-    };
-    const double wall = wallSeconds();
-    resident_->device->render(request, tiles, sink, cancelled);
-    if (partition) partition->report.append(aloneReport(*partition, wall, static_cast<uint32_t>(tiles.size())));
-    return secondsBetween(begin, Clock::now());
-}
-
-void FrameLoop::beginHistory(FrameHistory& history, const Film& film, const ViewRequest& view, uvec2 cellSize) {
-    history.costs.begin(film.resolution(), cellSize);
-    history.report = {};
-    const uint32_t samples = film.completedSamples();
-    const bool together = Settings::choiceWord("device", view.settings.device) == "hybrid";
-    if (samples < 2 || !together) history.errors.clear();
-    else if (std::has_single_bit(samples)) history.errors = film.cellErrors(cellSize);
+bool FrameLoop::renderPass(const FrameRequest& request, Film& film, uint32_t firstSample, std::stop_token cancelled,
+                           std::optional<Turns::Turn> turn, PassFigures& figures) {
+    FrameRequest complete = request;
+    complete.reach = reach_.of(request);
+    return passes_.render({*resident_->device, complete, film, firstSample, std::move(cancelled)}, figures, std::move(turn));
 }
 
 }  // namespace heliograph

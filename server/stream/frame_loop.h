@@ -4,16 +4,14 @@
 // passes accumulate up to the `samples` setting. The rules of who gives way to whom are in view_request.h.
 
 #include "server/device/device.h"
-#include "server/film/film.h"
+#include "server/film/film_pool.h"
 #include "server/film/cell_reach.h"
 #include "server/schedule/frame_history.h"
-#include "server/schedule/partition.h"
 #include "server/stream/path_run.h"
-#include "server/render/turns.h"
+#include "server/render/pass_renderer.h"
 #include "server/request/view_request.h"
 
 #include <condition_variable>
-#include <map>
 #include <optional>
 #include <thread>
 
@@ -25,21 +23,6 @@ struct ResidentScene {
     std::shared_ptr<Device> device;
     std::vector<EffectReason> reasons;  // explainEffects of the scene
     EffectSet effects;                  // that it calls for
-};
-
-/// What the passes since the last frame cost.
-struct PassFigures {
-    uint32_t passes = 0;
-    double renderSeconds = 0.0;      // wall time of all of them, waiting for turns left out
-    double lastPassSeconds = 0.0;
-    double coreSeconds = 0.0;        // processor time that the device says it took
-    RayCounts rays;                  // all passes
-    RayCounts lastRays;              // the last pass
-    std::map<std::string, uint64_t> tiles;  // by device
-    uint64_t nonfiniteSamples = 0;
-    uint32_t devices = 0;            // bit set of docs/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
-    ScheduleReport schedule;         // of the last pass; without devices where one device alone was asked for
-    std::shared_ptr<const Partition> partition;  // of the last pass, if the settings ask for it
 };
 
 /// A film worth looking at. The film may grow while it is developed, never change its request.
@@ -89,7 +72,7 @@ public:
 
 class FrameLoop {
 public:
-    FrameLoop(Turns& turns, FrameReceiver& receiver);
+    FrameLoop(Turns& turns, FrameReceiver& receiver, FilmPool films = FilmPool());
     /// Ends the pass in flight and waits for the thread.
     ~FrameLoop();
 
@@ -109,17 +92,17 @@ public:
     /// Asks the loop to end, without waiting.
     void stop();
     /// Seconds that this loop and that all loops have used the device.
-    Turns::Used used() const { return turns_.used(account_); }
+    Turns::Used used() const { return passes_.used(); }
 
 private:
     using Clock = std::chrono::steady_clock;
     struct Run { PathRun path; Clock::time_point begin; };
     struct Job {
         ViewRequest view;
+        FrameRequest request;
         std::shared_ptr<Film> film;
         uint32_t samples = 1;
         PassFigures figures;
-        std::shared_ptr<FrameHistory> history;
     };
     struct PassState {
         bool running = false;
@@ -135,24 +118,22 @@ private:
     void followPath();
     void endRun();
     bool adopt();
+    bool showsWish() const;
     void startFilm();
     bool deliver();
     void renderFilm();
     void useLatestWish();
+    void beginPicture();
     void startPicture();
     bool finishPicture();
     std::stop_token beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable);
     void endPass(bool completed);
-    FrameRequest requestFor(const Film& film, const ViewRequest& view, const std::optional<Camera>& before) const;
-    bool renderPass(Film& film, const ViewRequest& view, uint32_t firstSample, std::stop_token cancelled,
-                    std::optional<Turns::Turn> turn, PassFigures& figures, const std::shared_ptr<FrameHistory>& history);
-    double renderSlice(const FrameRequest& request, std::span<const Tile> tiles, Film& film, std::stop_token cancelled,
-                       PassFigures& figures, Partition* partition);
-    static void beginHistory(FrameHistory& history, const Film& film, const ViewRequest& view, uvec2 cellSize);
+    bool renderPass(const FrameRequest& request, Film& film, uint32_t firstSample, std::stop_token cancelled,
+                    std::optional<Turns::Turn> turn, PassFigures& figures);
 
     Turns& turns_;
     FrameReceiver& receiver_;
-    Turns::Account account_;
+    PassRenderer passes_;
 
     // Between threads, under mutex_.
     mutable std::mutex mutex_;
@@ -173,8 +154,9 @@ private:
     std::shared_ptr<ResidentScene> resident_;
     std::optional<ViewRequest> wish_;   // newest_ as taken, with the path's camera while a run plays
     std::optional<ViewRequest> view_;   // what the film shows
+    FilmPool films_;
     std::shared_ptr<Film> film_;
-    std::shared_ptr<Film> spare_;       // the other one may still be in the encoder's hands
+    FrameRequest request_;              // of the film
     uint32_t generation_ = 0;
     uint32_t samples_ = 0;
     Delivery delivered_;
@@ -182,12 +164,10 @@ private:
     Clock::time_point deliveredAt_{};
     double inputSeconds_ = 0.0;
     PassFigures figures_;
-    double secondsPerTile_ = 0.0;
-    std::optional<Camera> cameraBefore_;  // of the film before this one, while the viewer moves
-    bool blurred_ = false;                // the film holds motion blur
     std::shared_ptr<FrameHistory> history_ = std::make_shared<FrameHistory>();
     ReachOfView reach_;
     std::optional<Run> run_;
+    bool pictureWanted_ = false;
     std::optional<Job> picture_;
     std::optional<FocusRequest> focus_;
     bool pictureTurn_ = false;  // passes of picture and film alternate

@@ -133,7 +133,7 @@ void Session::handle(const SettingsMessage& message) {
 
 void Session::handle(const ResolutionMessage& message) {
     uint64_t pixels = static_cast<uint64_t>(message.size.x) * message.size.y;
-    if (!host_.grantPixels(viewer_, pixels)) {
+    if (!host_.grantPixels(viewer_, FilmPool::FILMS * pixels)) {
         throw InputError("resolution", std::to_string(pixels) + " pixels", "fewer: all viewers together have used up the memory for films");
     }
     std::lock_guard lock(mutex_);

@@ -168,7 +168,7 @@ TEST(Service, AFaultOfOneDisturbsNobodyElse) {
 
 TEST(Service, FilmsOfAllViewersTogetherAreLimited) {
     ServiceOptions o = options();
-    o.pixelLimit = 10'000;
+    o.pixelLimit = FilmPool::FILMS * 10'000;
     Running s(o);
     Viewer b(s.service.port());
     {
@@ -208,7 +208,7 @@ long threadCount() {
 
 TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
     ServiceOptions o = options();
-    o.pixelLimit = 1000 * 600;
+    o.pixelLimit = FilmPool::FILMS * 1000 * 600;
     Running s(o);
     Viewer last(s.service.port());
     last.size(64, 48, 1);

@@ -74,7 +74,7 @@ TEST(FrameRenderer, ATileLeftOutIsAnErrorThatNamesTheDevice) {
         renderFrame(device, requestFor(), 1, film);
         FAIL() << "a hole in the picture went unnoticed";
     } catch (const std::runtime_error& error) {
-        EXPECT_STREQ(error.what(), "device fake: delivered 3 of 4 tiles");
+        EXPECT_STREQ(error.what(), "device fake left out tiles of a pass");
     }
 }
 

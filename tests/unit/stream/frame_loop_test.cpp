@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <new>
 #include <random>
 
 namespace heliograph {
@@ -394,6 +395,50 @@ TEST(FrameLoop, FocusDoesNotWaitForARefinement) {
     s.loop.focus({{glm::dvec3(5, 0, 0), glm::dvec3(0, 0, -1)}, 2});
     EXPECT_TRUE(s.viewer.until([&] { return s.viewer.focuses.size() == 1; }));
     s.device->hold(false);
+}
+
+TEST(FrameLoop, WithoutMemoryForAFilmTheViewerIsToldAndKeepsTheLastPicture) {
+    auto device = std::make_shared<PaintDevice>();
+    Viewer viewer;
+    Turns turns;
+    FrameLoop loop(turns, viewer, FilmPool([](Film& film, uvec2 resolution, uint32_t generation) {
+        if (resolution.x > 1000) throw std::bad_alloc();
+        film.reset(resolution, generation);
+    }));
+    loop.setScene(sceneOn(device), wish(1));
+    ASSERT_TRUE(viewer.until([&] { return viewer.frames.size() == 1 && viewer.frames[0].final; }));
+    ViewRequest large = wish(2);
+    large.resolution = {7680, 4320};
+    loop.show(large);
+    ASSERT_TRUE(viewer.until([&] { return !viewer.failures.empty(); }));
+    EXPECT_NE(viewer.failures[0].find("no memory for 7680 x 4320 pixels"), std::string::npos) << viewer.failures[0];
+    EXPECT_EQ(viewer.frames.size(), 1u);
+    loop.takePicture();  // of the same size: told again, and nothing ends
+    loop.show(wish(3));
+    ASSERT_TRUE(viewer.until([&] { return viewer.frames.back().view.inputId == 3 && viewer.frames.back().final; }));
+    EXPECT_EQ(viewer.colors.back(), vec4(3, 0, 0, 1));
+}
+
+// At half scale the picture needs a film of its own.
+TEST(FrameLoop, WithoutMemoryForAPictureTheFilmGoesOn) {
+    auto device = std::make_shared<PaintDevice>();
+    Viewer viewer;
+    Turns turns;
+    FrameLoop loop(turns, viewer, FilmPool([](Film& film, uvec2 resolution, uint32_t generation) {
+        if (resolution.x > 48) throw std::bad_alloc();
+        film.reset(resolution, generation);
+    }));
+    ViewRequest half = wish(1, 3);
+    half.settings.renderScale = 0.5f;
+    device->hold(true);
+    loop.setScene(sceneOn(device), half);
+    device->untilArrived();
+    loop.takePicture();
+    device->hold(false);
+    ASSERT_TRUE(viewer.until([&] { return !viewer.failures.empty(); }));
+    ASSERT_TRUE(viewer.until([&] { return !viewer.frames.empty() && viewer.frames.back().final; }));
+    EXPECT_EQ(viewer.colors.back(), vec4(1, 0, 0, 3));
+    EXPECT_EQ(viewer.failures.size(), 1u);
 }
 
 TEST(FrameLoop, EndsInTheMiddleOfAPass) {

@@ -70,7 +70,7 @@ public:
     std::vector<std::string> opened;
     std::vector<SceneListener> listeners;
     bool manual = false, full = false;
-    uint64_t pixelLimit = 1'000'000;
+    uint64_t pixelLimit = 3'000'000;
     Turns turns_;
     Metrics metrics_;
 };

@@ -1,0 +1,129 @@
+#include "server/render/pass_renderer.h"
+
+#include "server/schedule/frame_history.h"
+#include "server/request/view_request.h"
+
+#include <algorithm>
+#include <bit>
+#include <new>
+#include <stdexcept>
+
+namespace heliograph {
+
+namespace {
+
+/// The device's bit in the frame header.
+uint32_t deviceBit(const std::string& device) {
+    if (device.starts_with("embree")) return 1;
+    if (device.starts_with("vulkan")) return 2;
+    if (device.starts_with("raster")) return 4;
+    return 8;
+}
+
+/// The report of a device that worked alone since `begin`.
+ScheduleReport aloneReport(const Partition& partition, double begin, uint32_t tiles) {
+    ScheduleReport report;
+    if (partition.devices.empty()) return report;
+    report.begin = begin;
+    report.end = wallSeconds();
+    report.seconds = report.end - begin;
+    report.batches = 1;
+    DeviceReport device;
+    device.name = partition.devices.back();
+    device.tiles = tiles;
+    report.devices.push_back(device);
+    report.workers.push_back({0, 0, {{begin, report.end, tiles, report.seconds}}});
+    return report;
+}
+
+void makeRoom(Film& film) {
+    try {
+        film.makeRoomForSums();
+    } catch (const std::bad_alloc&) {
+        const uvec2 size = film.resolution();
+        throw std::runtime_error("no memory for a second sample of " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels");
+    }
+}
+
+void beginHistory(FrameHistory& history, const Pass& pass, uvec2 cell) {
+    history.costs.begin(pass.film.resolution(), cell);
+    history.report = {};
+    const bool together = Settings::choiceWord("device", pass.request.settings.device) == "hybrid";
+    if (pass.firstSample < 2 || !together) history.errors.clear();
+    else if (std::has_single_bit(pass.firstSample)) history.errors = pass.film.cellErrors(cell);
+}
+
+}  // namespace
+
+size_t PassRenderer::tilesOfTurn(size_t left, uint32_t workers) const {
+    if (!turns_) return left;
+    return std::min(left, tilesPerTurn(secondsPerTile_, workers, turns_->shared(account_)));
+}
+
+bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<Turns::Turn> turn) {
+    const Settings& settings = pass.request.settings;
+    const uvec2 cell = glm::min(tileSize(settings), pass.film.resolution());
+    const std::vector<Tile> tiles = pass.film.tilesFor(pass.firstSample, 1, cell);
+    if (pass.firstSample > 0) makeRoom(pass.film);
+    FrameHistory* history = pass.request.history.get();
+    if (history) beginHistory(*history, pass, cell);
+    std::shared_ptr<Partition> partition;
+    if (settings.showPartition) {
+        partition = std::make_shared<Partition>();
+        partition->begin(pass.film.resolution(), cell);
+    }
+    const uint32_t workers = pass.device.infoFor(settings).workers;
+    figures.lastRays = {};
+    figures.lastPassSeconds = 0.0;
+    for (size_t done = 0; done < tiles.size();) {
+        if (turns_ && !turn) {
+            std::optional<Turns::Turn> next = take(pass.stop);
+            if (!next) return false;
+            turn.emplace(std::move(*next));
+        }
+        const size_t count = tilesOfTurn(tiles.size() - done, workers);
+        const double seconds = renderSlice(pass, std::span(tiles).subspan(done, count), done, tiles.size(), figures, partition.get());
+        turn.reset();
+        figures.lastPassSeconds += seconds;
+        figures.renderSeconds += seconds;
+        if (pass.stop.stop_requested() && pass.film.completedSamples() <= pass.firstSample) return false;
+        const double perTile = seconds / static_cast<double>(count);
+        secondsPerTile_ = secondsPerTile_ > 0.0 ? 0.5 * (secondsPerTile_ + perTile) : perTile;
+        done += count;
+    }
+    if (pass.film.completedSamples() <= pass.firstSample) {
+        throw std::runtime_error("device " + pass.device.infoFor(settings).name + " left out tiles of a pass");
+    }
+    figures.passes++;
+    if (history) {
+        history->costs.end();
+        figures.schedule = history->report;
+        if (partition && !history->report.devices.empty()) partition->report = history->report;
+    }
+    figures.partition = std::move(partition);
+    return true;
+}
+
+/// Returns the wall time.
+double PassRenderer::renderSlice(const Pass& pass, std::span<const Tile> tiles, size_t done, size_t all, PassFigures& figures,
+                                 Partition* partition) {
+    std::mutex mutex;  // of the figures
+    auto sink = [&](TileResult&& result) {
+        if (!pass.film.add(result)) return;
+        std::lock_guard lock(mutex);
+        figures.rays.add(result.rays);
+        figures.lastRays.add(result.rays);
+        figures.tiles[result.device]++;
+        figures.nonfiniteSamples += result.nonfiniteSamples;
+        figures.coreSeconds += result.seconds;
+        figures.devices |= deviceBit(result.device);
+        if (partition) partition->note(result.tile, result.device);
+        if (pass.progress) pass.progress(static_cast<double>(++done) / static_cast<double>(all));
+    };
+    const double begin = wallSeconds();
+    pass.device.render(pass.request, tiles, sink, pass.stop);
+    if (partition) partition->report.append(aloneReport(*partition, begin, static_cast<uint32_t>(tiles.size())));
+    return wallSeconds() - begin;
+}
+
+}  // namespace heliograph

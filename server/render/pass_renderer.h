@@ -1,0 +1,65 @@
+#pragma once
+// Passes: one sample for every pixel of a film. Frames of viewers, pictures, measurements and commands are all rendered here.
+
+#include "server/device/device.h"
+#include "server/film/film.h"
+#include "server/render/turns.h"
+#include "server/schedule/partition.h"
+
+#include <map>
+
+namespace heliograph {
+
+/// What passes cost; those before are added up.
+struct PassFigures {
+    uint32_t passes = 0;                    // finished
+    double renderSeconds = 0.0;             // wall time of all of them, waiting for turns left out
+    double lastPassSeconds = 0.0;
+    double coreSeconds = 0.0;               // processor time that the device says it took
+    RayCounts rays;                         // all passes
+    RayCounts lastRays;                     // the last pass
+    std::map<std::string, uint64_t> tiles;  // by device
+    uint64_t nonfiniteSamples = 0;
+    uint32_t devices = 0;                   // bit set of docs/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
+    ScheduleReport schedule;                // of the last pass; without devices where one device alone was asked for
+    std::shared_ptr<const Partition> partition;  // of the last pass, if the settings ask for it
+};
+
+/// What is to be rendered where.
+struct Pass {
+    Device& device;               // holds the scene
+    const FrameRequest& request;
+    Film& film;                   // of the request's size and generation
+    uint32_t firstSample = 0;     // samples that every pixel has
+    std::stop_token stop = {};
+    std::function<void(double share)> progress = {};  // of this pass; called from the device's threads, one at a time
+};
+
+class PassRenderer {
+public:
+    /// Passes take turns with those of others, a slice of tiles a turn.
+    explicit PassRenderer(Turns& turns) : turns_(&turns) {}
+    /// Passes have the device for themselves.
+    PassRenderer() = default;
+
+    /// Waits for a turn. Nothing when `stop` is asked for first.
+    std::optional<Turns::Turn> take(std::stop_token stop) { return turns_->take(account_, std::move(stop)); }
+    /// Renders the pass; `turn` is its first one, if it was taken already. False when `stop` was asked for first: the film then
+    /// holds some of the pass, which a later one continues. Adds to the figures what the film took, in either case. Throws what
+    /// the device throws, and std::runtime_error when it leaves tiles out or memory runs out.
+    bool render(const Pass& pass, PassFigures& figures, std::optional<Turns::Turn> turn = std::nullopt);
+    /// Another scene: its tiles take another time.
+    void forget() { secondsPerTile_ = 0.0; }
+    Turns::Used used() const { return turns_->used(account_); }
+
+private:
+    size_t tilesOfTurn(size_t left, uint32_t workers) const;
+    double renderSlice(const Pass& pass, std::span<const Tile> tiles, size_t done, size_t all, PassFigures& figures,
+                       Partition* partition);
+
+    Turns* turns_ = nullptr;
+    Turns::Account account_;
+    double secondsPerTile_ = 0.0;  // wall time; 0: not known yet
+};
+
+}  // namespace heliograph
