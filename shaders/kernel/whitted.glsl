@@ -4,10 +4,8 @@
 // stack, so that contributions are summed in the same order everywhere:
 //
 //   startSample -> trace -> missRadiance
-//                         | surfaceAt, shadingAt -> emission, fog, ambient that needs no rays, nextRays with their estimates,
-//                           then each light in order, then ambient that needs rays -> pop
-//
-// A light's rays are those of its samples from the surface, then those from points in the fog; a miss has the latter alone.
+//                         | arrive: emission, fog, ambient that needs no rays, the paths that go on and estimates of others
+//                         -> raysToLight of each light in order -> ambient that needs rays -> pop
 
 UINT_CONSTANT(RAY_PRIMARY, 0u)
 UINT_CONSTANT(RAY_REFLECTION, 1u)
@@ -19,7 +17,7 @@ UINT_CONSTANT(NEXT_REFRACTION, 2u)
 UINT_CONSTANT(NEXT_PASS, 4u)
 UINT_CONSTANT(NEXT_INDIRECT, 8u)
 
-// A pending ray of the image. 64 bytes.
+// A pending ray of the image.
 struct PathState {
     vec3 origin;
     float coneWidth;    // metres at the origin
@@ -29,8 +27,6 @@ struct PathState {
     uint depth;         // reflections | refractions << 8 | alpha layers << 16 | DIFFUSED | ray kind << 24
     uint medium;        // material the ray travels in + 1, 0 = air
     uint salt;          // tells the vertices of one sample apart, for random numbers
-    uint pad0;
-    uint pad1;
 };
 
 uint reflectionDepth(uint depth) { return depth & 255u; }
@@ -323,8 +319,7 @@ Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
 }
 
 // The rays that go on from a hit, with weights that sum to at most 1: mirror reflection, transmission, and what passes a
-// blended surface. Returns NEXT_* bits; rays that end here leave their estimate in `radiance` instead. Push them in the
-// order reflection, pass, refraction: the last one pushed is traced first.
+// blended surface. Returns NEXT_* bits; rays that end here leave their estimate in `radiance` instead.
 uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, INOUT(PathState) reflection,
               INOUT(PathState) refraction, INOUT(PathState) pass, INOUT(vec3) radiance) {
     uint next = uint(0u);
@@ -342,11 +337,9 @@ uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, IN
 }
 
 // The ray that brings indirect light in the place of the diffuse part of the ambient light; returns NEXT_INDIRECT where there is
-// one. Push it before the others.
+// one.
 uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput,
                  OUT(PathState) next) {
-    next = p;
-    if (!HAS(EFFECT_INDIRECT_LIGHT)) return uint(0u);
     vec3 weight = throughput * diffuseAlbedo(m, wo) * m.alpha;
     bool follow = (p.depth & DIFFUSED) == 0u && maxComponent(weight) > FRAME.contributionThreshold;
     vec3 tangent;
@@ -372,3 +365,64 @@ vec3 ambientBeside(uint next, IN(Shading) m, vec3 wo, vec3 throughput) {
 
 // Emission, and what an unlit surface shows.
 vec3 emittedRadiance(IN(Shading) m, vec3 throughput) { return throughput * m.emission * m.alpha; }
+
+// ---- the order of the stages ----
+
+// A hit before its light and occlusion rays, and the paths that go on from it.
+struct Arrival {
+    Surface surface;
+    Shading shading;
+    vec3 wo;           // unit, back along the path
+    vec3 throughput;   // weight of what leaves the surface
+    vec3 ambient;      // what the ambient light adds where nothing hides it
+    bool occlusion;    // occlusion rays find out how much of `ambient` is hidden; else it is added already
+    float air;         // metres of air before the surface; known with fog only
+    uint next;         // NEXT_* bits of the paths that go on
+    PathState indirect;
+    PathState reflection;
+    PathState pass;
+    PathState refraction;
+};
+
+// The paths that go on as (bit of Arrival.next, member), in the order in which they are pushed: the last one is traced first.
+#define FOR_NEXT_PATHS(DO)          \
+    DO(NEXT_INDIRECT, indirect)     \
+    DO(NEXT_REFLECTION, reflection) \
+    DO(NEXT_PASS, pass)             \
+    DO(NEXT_REFRACTION, refraction)
+
+// All that happens at a hit but its light and occlusion rays.
+Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, INOUT(vec3) radiance) {
+    Arrival a;
+    a.surface = surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hit);
+    a.shading = shadingAt(a.surface);
+    a.wo = -p.direction;
+    a.shading.facet = reflectingNormal(pixel, sampleIndex, p.salt, a.shading, a.wo);
+    a.throughput = arrivingThroughput(p, a.surface);
+    radiance = withFog(radiance + emittedRadiance(a.shading, a.throughput), p, a.surface);
+    a.next = uint(0u);
+    if (HAS(EFFECT_INDIRECT_LIGHT))
+        a.next = indirectRay(pixel, sampleIndex, p, a.surface, a.shading, a.wo, a.throughput, a.indirect);
+    a.ambient = ambientBeside(a.next, a.shading, a.wo, a.throughput);
+    a.occlusion = needsOcclusion(a.ambient) && a.next == 0u;
+    radiance = SELECT(a.occlusion, radiance, radiance + a.ambient);
+    a.next = a.next | nextRays(p, a.surface, a.shading, a.throughput, a.reflection, a.refraction, a.pass, radiance);
+    a.air = 0.0f;
+    if (HAS(EFFECT_FOG)) a.air = airBefore(p, a.surface);
+    return a;
+}
+
+// Rays to a light: those of its samples from the surface, if the path met one, then those from points in the fog on its way.
+UNIFORM_UINT raysFromSurface(UNIFORM_UINT light, UNIFORM_UINT met) {
+    if (met != 0u) return lightSamples(light);
+    return 0u;
+}
+
+// Ray `ray` of raysFromSurface + fogRays to a light. A path that met nothing has only a.air.
+ShadowRay rayToLight(UNIFORM_UINT light, UNIFORM_UINT ray, UNIFORM_UINT fromSurface, UNIFORM_UINT sampleIndex, uvec2 pixel,
+                     IN(PathState) p, IN(Arrival) a) {
+    if (HAS(EFFECT_FOG)) {
+        if (ray >= fromSurface) return pathFogRay(light, ray - fromSurface, sampleIndex, pixel, p, a.air);
+    }
+    return lightSampleRay(light, ray, sampleIndex, pixel, p.salt, a.surface, a.shading, a.wo, a.throughput);
+}

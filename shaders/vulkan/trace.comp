@@ -61,13 +61,12 @@ vec3 transmittance(Ray ray) {
     return vec3(0.0f);
 }
 
-// The rays to the lights, in order, then those into the hemisphere. A light's are those from the surface, if there is one, then
-// those from points of the path's way through `air` metres of fog.
-void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surface s, Shading m, vec3 wo, vec3 throughput,
-                 float air, vec3 ambient, bool occlusion, inout vec3 radiance) {
+// The rays to the lights, in order, then those into the hemisphere. `met`: 1 at a hit, 0 where the path met nothing.
+void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a, inout vec3 radiance) {
+    bool several = HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG);  // rays a light
     uint lights = FRAME.lightCount;
-    if (HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG))
-        lights = (surface ? allLightSamples() : 0u) + FRAME.lightCount * fogRays();
+    if (several) lights = (met != 0u ? allLightSamples() : 0u) + FRAME.lightCount * fogRays();
+    bool occlusion = HAS(EFFECT_AMBIENT_OCCLUSION) && a.occlusion;
     uint total = lights + (occlusion ? FRAME.aoSamples : 0u);
     uint light = 0u;
     uint raysOfLight = 0u;
@@ -75,24 +74,16 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surfa
     uint shift = occlusionShift(pixel, p.salt);
     vec3 tangent = vec3(0.0f);
     vec3 bitangent = vec3(0.0f);
-    if (occlusion) orthonormalBasis(m.normal, tangent, bitangent);
+    if (occlusion) orthonormalBasis(a.shading.normal, tangent, bitangent);
     for (uint i = 0u; i < total; i++) {
         ShadowRay r;
         if (i < lights) {
-            uint index = i;
-            if (HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG)) {
-                index = light;
-                uint own = surface ? lightSamples(light) : 0u;
-                if (!HAS(EFFECT_FOG) || raysOfLight < own)
-                    r = lightSampleRay(light, raysOfLight, sampleIndex, pixel, p.salt, s, m, wo, throughput);
-                else r = pathFogRay(light, raysOfLight - own, sampleIndex, pixel, p, air);
-                raysOfLight++;
-                if (raysOfLight == own + fogRays()) {
-                    light++;
-                    raysOfLight = 0u;
-                }
-            } else {
-                r = lightRay(i, s, m, wo, throughput);
+            uint index = several ? light : i;
+            uint own = several ? raysFromSurface(light, met) : 1u;
+            r = rayToLight(index, raysOfLight, own, sampleIndex, pixel, p, a);
+            if (several && ++raysOfLight == own + fogRays()) {
+                light++;
+                raysOfLight = 0u;
             }
             if (!(maxComponent(r.contribution) > 0.0f)) continue;
             if (!HAS(EFFECT_SHADOWS) || (p.depth == 0u && shinesFromEye(index) != 0u)) {
@@ -101,9 +92,9 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surfa
             }
             shadowRays++;
         } else {
-            r.ray.origin = offsetRayOrigin(s.position, s.geometricNormal);
-            r.ray.direction = occlusionDirection(SOBOL(occlusionNumber(sampleIndex, i - lights)), shift, m.normal,
-                                                 s.geometricNormal, tangent, bitangent);
+            r.ray.origin = offsetRayOrigin(a.surface.position, a.surface.geometricNormal);
+            r.ray.direction = occlusionDirection(SOBOL(occlusionNumber(sampleIndex, i - lights)), shift, a.shading.normal,
+                                                 a.surface.geometricNormal, tangent, bitangent);
             r.ray.tMax = FRAME.aoDistance;
             occlusionRays++;
         }
@@ -120,7 +111,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, bool surface, Surfa
         }
         radiance = radiance + r.contribution;
     }
-    if (occlusion) radiance = radiance + ambient * occlusionVisibility(visible);
+    if (occlusion) radiance = radiance + a.ambient * occlusionVisibility(visible);
 }
 
 vec3 renderSample(uvec2 pixel, uint sampleIndex) {
@@ -137,38 +128,20 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
         if (hit.instance == NO_INDEX) {
             radiance = radiance + missRadiance(p);
             if (HAS(EFFECT_FOG)) {
-                Surface none;
-                Shading nothing;
-                gatherLight(pixel, sampleIndex, p, false, none, nothing, vec3(0.0f), vec3(0.0f), airOfMiss(p), vec3(0.0f), false,
-                            radiance);
+                Arrival none;
+                none.occlusion = false;
+                none.air = airOfMiss(p);
+                gatherLight(pixel, sampleIndex, p, 0u, none, radiance);
             }
         } else {
-            Surface s = surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hit);
-            Shading m = shadingAt(s);
-            vec3 wo = -p.direction;
-            m.facet = reflectingNormal(pixel, sampleIndex, p.salt, m, wo);
-            vec3 throughput = arrivingThroughput(p, s);
-            radiance = withFog(radiance + emittedRadiance(m, throughput), p, s);
-            PathState indirect;
-            uint more = indirectRay(pixel, sampleIndex, p, s, m, wo, throughput, indirect);
-            vec3 ambient = ambientBeside(more, m, wo, throughput);
-            bool occlusion = needsOcclusion(ambient) && more == 0u;
-            if (!occlusion) radiance = radiance + ambient;
-            PathState reflection;
-            PathState refraction;
-            PathState pass;
-            uint next = nextRays(p, s, m, throughput, reflection, refraction, pass, radiance);
+            Arrival a = arrive(pixel, sampleIndex, p, hit, radiance);
             if (SINGLE) {
-                if ((next | more) != 0u) cutOff++;
+                if (a.next != 0u) cutOff++;
             } else {
-                if (more != 0u) stack[top++] = indirect;
-                if ((next & NEXT_REFLECTION) != 0u) stack[top++] = reflection;
-                if ((next & NEXT_PASS) != 0u) stack[top++] = pass;
-                if ((next & NEXT_REFRACTION) != 0u) stack[top++] = refraction;
+#define PUSH(bit, path) if ((a.next & bit) != 0u) stack[top++] = a.path;
+                FOR_NEXT_PATHS(PUSH)
             }
-            float air = 0.0f;
-            if (HAS(EFFECT_FOG)) air = airBefore(p, s);
-            gatherLight(pixel, sampleIndex, p, true, s, m, wo, throughput, air, ambient, occlusion, radiance);
+            gatherLight(pixel, sampleIndex, p, 1u, a, radiance);
         }
         if (SINGLE || top == 0u) return radiance;
         p = stack[--top];

@@ -133,53 +133,38 @@ void setLane(wide::Vec3& to, vec3 from, int lane) {
     to.z.v[lane] = from.z;
 }
 
-/// The stages of the files in shaders/kernel/effects, in both kernels.
-void compareEffects(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits)[LANES], const WideKernel::PathState& path,
-                    const wide::HitLanes& hit, wide::Uvec2 pixel, uint32_t sample) {
-    const auto wideSurface = lanes.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
-    auto wideShading = lanes.shadingAt(wideSurface);
-    const wide::Vec3 wideWo = -path.direction;
-    wideShading.facet = lanes.reflectingNormal(pixel, sample, path.salt, wideShading, wideWo);
-    const wide::Vec3 wideThroughput = lanes.arrivingThroughput(path, wideSurface);
-    const wide::Vec3 wideFog = lanes.withFog(wideThroughput, path, wideSurface);
-    WideKernel::PathState wideIndirect{}, wideNext[3] = {};
-    const wide::Uint wideMore = lanes.indirectRay(pixel, sample, path, wideSurface, wideShading, wideWo, wideThroughput, wideIndirect);
-    const wide::Vec3 wideBeside = lanes.ambientBeside(wideMore, wideShading, wideWo, wideThroughput);
-    wide::Vec3 wideRadiance = wideFog;
-    const wide::Uint wideKinds = lanes.nextRays(path, wideSurface, wideShading, wideThroughput, wideNext[0], wideNext[1],
-                                                wideNext[2], wideRadiance);
-    std::vector<WideKernel::ShadowRay> wideRays;
-    for (uint32_t l = 0; l < lanes.frame.lightCount; l++) {
-        wideRays.push_back(lanes.lightSampleRay(l, lanes.lightSamples(l) - 1, sample, pixel, path.salt, wideSurface, wideShading, wideWo, wideThroughput));
-        wideRays.push_back(lanes.pathFogRay(l, 0, sample, pixel, path, lanes.airBefore(path, wideSurface)));
-    }
+/// The whole of a hit and its rays to the lights, in both kernels.
+void compareArrivals(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits)[LANES], const WideKernel::PathState& path,
+                     const wide::HitLanes& hit, wide::Uvec2 pixel, uint32_t sample) {
+    wide::Vec3 wideRadiance(vec3(0.5f));
+    const WideKernel::Arrival w = lanes.arrive(pixel, sample, path, hit, wideRadiance);
     EXPECT_EQ(lanes.allLightSamples(), scalar.allLightSamples());
     EXPECT_EQ(lanes.fogRays(), scalar.fogRays());
+    EveryKernel::Arrival arrivals[LANES];
     for (int lane = 0; lane < LANES; lane++) {
-        const EveryKernel::PathState& p = hits[lane].path;
-        const uvec2 at = hits[lane].pixel;
-        const auto surface = scalar.surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hits[lane].hit);
-        auto shading = scalar.shadingAt(surface);
-        const vec3 wo = -p.direction;
-        shading.facet = scalar.reflectingNormal(at, sample, p.salt, shading, wo);
-        EXPECT_TRUE(same(wideShading.facet, shading.facet, lane)) << "reflectingNormal";
-        const vec3 throughput = scalar.arrivingThroughput(p, surface);
-        EXPECT_TRUE(same(wideThroughput, throughput, lane)) << "arrivingThroughput";
-        vec3 radiance = scalar.withFog(throughput, p, surface);
-        EXPECT_TRUE(same(wideFog, radiance, lane)) << "withFog";
-        EveryKernel::PathState indirect{}, next[3] = {};
-        const uint32_t more = scalar.indirectRay(at, sample, p, surface, shading, wo, throughput, indirect);
-        EXPECT_EQ(wideMore.v[lane], more);
-        if (more != 0) expectSame(wideIndirect, indirect, lane);
-        EXPECT_TRUE(same(wideBeside, scalar.ambientBeside(more, shading, wo, throughput), lane)) << "ambientBeside";
-        const uint32_t kinds = scalar.nextRays(p, surface, shading, throughput, next[0], next[1], next[2], radiance);
-        EXPECT_EQ(wideKinds.v[lane], kinds);
-        EXPECT_TRUE(same(wideRadiance, radiance, lane)) << "nextRays: radiance";
-        if (kinds & EveryKernel::NEXT_REFLECTION) expectSame(wideNext[0], next[0], lane);
-        for (uint32_t l = 0; l < scalar.frame.lightCount; l++) {
-            SCOPED_TRACE("light " + std::to_string(l));
-            expectSame(wideRays[2 * l], scalar.lightSampleRay(l, scalar.lightSamples(l) - 1, sample, at, p.salt, surface, shading, wo, throughput), lane);
-            expectSame(wideRays[2 * l + 1], scalar.pathFogRay(l, 0, sample, at, p, scalar.airBefore(p, surface)), lane);
+        vec3 radiance(0.5f);
+        EveryKernel::Arrival& s = arrivals[lane];
+        s = scalar.arrive(hits[lane].pixel, sample, hits[lane].path, hits[lane].hit, radiance);
+        EXPECT_TRUE(same(wideRadiance, radiance, lane)) << "radiance";
+        EXPECT_FIELD(shading.facet);
+        EXPECT_FIELD(wo);
+        EXPECT_FIELD(throughput);
+        EXPECT_FIELD(ambient);
+        EXPECT_FIELD(occlusion);
+        EXPECT_FIELD(air);
+        EXPECT_EQ(w.next.v[lane], s.next);
+#define COMPARE(bit, path) if (s.next & EveryKernel::bit) expectSame(w.path, s.path, lane);
+        FOR_NEXT_PATHS(COMPARE)
+#undef COMPARE
+    }
+    for (uint32_t l = 0; l < lanes.frame.lightCount; l++) {
+        const uint32_t own = lanes.raysFromSurface(l, 1);
+        EXPECT_EQ(own, scalar.raysFromSurface(l, 1));
+        for (uint32_t ray = 0; ray < own + lanes.fogRays(); ray++) {
+            SCOPED_TRACE("light " + std::to_string(l) + ", ray " + std::to_string(ray));
+            const auto wideRay = lanes.rayToLight(l, ray, own, sample, pixel, path, w);
+            for (int lane = 0; lane < LANES; lane++)
+                expectSame(wideRay, scalar.rayToLight(l, ray, own, sample, hits[lane].pixel, hits[lane].path, arrivals[lane]), lane);
         }
     }
 }
@@ -267,7 +252,7 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
             expectSame(wideShadows[l], shadow, lane);
         }
     }
-    compareEffects(scalar, lanes, hits, path, hit, pixel, sample);
+    compareArrivals(scalar, lanes, hits, path, hit, pixel, sample);
 }
 
 /// `effects` by round: all, then random subsets.

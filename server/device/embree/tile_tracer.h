@@ -12,8 +12,7 @@ class TileTracer {
 public:
     using KernelType = Kernel<EFFECTS>;
     using Path = typename KernelType::PathState;
-    using Surface = typename KernelType::Surface;
-    using Shading = typename KernelType::Shading;
+    using Arrival = typename KernelType::Arrival;
 
     TileTracer(TileJob& job, Arena& arena) : job_(job), arena_(arena) {
         kernel_.scene = *job.view;
@@ -246,32 +245,22 @@ private:
         }
     }
 
-    // The stages of LANES hits up to their occlusion rays.
+    // What LANES hits add at once, and the rays and paths that they send.
     void shadeGroup(const Group g) {
         Path path = loadPath(g);
         HitLanes hit;
         hit.instance = g.load(arena_.instance);
         hit.primitive = g.load(arena_.primitive);
-        Surface s = kernel_.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
-        Shading m = kernel_.shadingAt(s);
-        Vec3 wo = -path.direction;
         Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
-        m.facet = kernel_.reflectingNormal(pixel, sample_, path.salt, m, wo);
-        Vec3 throughput = kernel_.arrivingThroughput(path, s);
-        Vec3 radiance = kernel_.withFog(g.load(arena_.radiance) + kernel_.emittedRadiance(m, throughput), path, s);
-        Path indirect;
-        Uint more = kernel_.indirectRay(pixel, sample_, path, s, m, wo, throughput, indirect);
-        if (uint32_t bits = laneBits(more != Uint(0u)) & g.mask()) pushIndirect(g, bits, indirect);
-        Vec3 ambient = kernel_.ambientBeside(more, m, wo, throughput);
-        Bool occlusion = kernel_.needsOcclusion(ambient) && more == Uint(0u);
-        radiance = select(occlusion, radiance, radiance + ambient);
-        if (uint32_t bits = laneBits(occlusion) & g.mask()) pushOcclusion(g, bits, path, s, m, ambient);
-        pushNext(g, path, s, m, throughput, radiance);
+        Vec3 radiance = g.load(arena_.radiance);
+        const Arrival a = kernel_.arrive(pixel, sample_, path, hit, radiance);
         g.store(arena_.radiance, radiance);
+        if (uint32_t bits = laneBits(a.occlusion) & g.mask()) pushOcclusion(g, bits, path, a);
+        pushNext(g, a);
         for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
-            for (uint32_t i = 0; i < kernel_.lightSamples(l); i++)
-                pushShadow(l, g, kernel_.lightSampleRay(l, i, sample_, pixel, path.salt, s, m, wo, throughput));
-            if (kernel_.fogRays() > 0) pushFog(l, g, path, kernel_.airBefore(path, s));
+            uint32_t own = kernel_.raysFromSurface(l, 1);
+            for (uint32_t i = 0; i < own + kernel_.fogRays(); i++)
+                pushShadow(l, g, kernel_.rayToLight(l, i, own, sample_, pixel, path, a));
         }
     }
 
@@ -282,25 +271,15 @@ private:
             pushShadow(light, g, kernel_.pathFogRay(light, i, sample_, pixel, path, air));
     }
 
-    HELIOGRAPH_INLINE void pushNext(const Group& g, const Path& path, const Surface& s, const Shading& m, Vec3 throughput,
-                                    Vec3& radiance) {
-        Path reflection, refraction, pass;
-        Uint next = kernel_.nextRays(path, s, m, throughput, reflection, refraction, pass, radiance);
-        uint32_t some = laneBits(next != Uint(0u)) & g.mask();
+    HELIOGRAPH_INLINE void pushNext(const Group& g, const Arrival& a) {
+        uint32_t some = laneBits(a.next != Uint(0u)) & g.mask();
         for (; some; some &= some - 1) {
             int i = __builtin_ctz(some);
-            uint32_t kinds = next.v[i];
+            uint32_t next = a.next.v[i];
             uint32_t lane = g.lane.v[i];
-            if (kinds & KernelType::NEXT_REFLECTION) storeLane(arena_.stacks.push(lane), reflection, i);
-            if (kinds & KernelType::NEXT_PASS) storeLane(arena_.stacks.push(lane), pass, i);
-            if (kinds & KernelType::NEXT_REFRACTION) storeLane(arena_.stacks.push(lane), refraction, i);
-        }
-    }
-
-    void pushIndirect(const Group& g, uint32_t bits, const Path& indirect) {
-        for (; bits; bits &= bits - 1) {
-            int i = __builtin_ctz(bits);
-            storeLane(arena_.stacks.push(g.lane.v[i]), indirect, i);
+#define PUSH(bit, path) if (next & KernelType::bit) storeLane(arena_.stacks.push(lane), a.path, i);
+            FOR_NEXT_PATHS(PUSH)
+#undef PUSH
         }
     }
 
@@ -402,8 +381,8 @@ private:
                                         job_.rays[static_cast<size_t>(RayKind::shadow)]);
     }
 
-    void pushOcclusion(const Group& g, uint32_t bits, const Path& path, const Surface& s, const Shading& m, Vec3 ambient) {
-        Vec3 origin = kernel_.offsetRayOrigin(s.position, s.geometricNormal);
+    void pushOcclusion(const Group& g, uint32_t bits, const Path& path, const Arrival& a) {
+        Vec3 origin = kernel_.offsetRayOrigin(a.surface.position, a.surface.geometricNormal);
         Uint shift = kernel_.occlusionShift(Uvec2(g.load(arena_.pixelX), g.load(arena_.pixelY)), path.salt);
         for (; bits; bits &= bits - 1) {
             int i = __builtin_ctz(bits);
@@ -413,9 +392,9 @@ private:
             OcclusionGroup& to = arena_.occlusion.data[number / PACKET];
             uint32_t at = number % PACKET;
             putVector(to.origin, at, origin, i);
-            putVector(to.normal, at, m.normal, i);
-            putVector(to.geometricNormal, at, s.geometricNormal, i);
-            putVector(to.ambient, at, ambient, i);
+            putVector(to.normal, at, a.shading.normal, i);
+            putVector(to.geometricNormal, at, a.surface.geometricNormal, i);
+            putVector(to.ambient, at, a.ambient, i);
             to.shift[at] = shift.v[i];
             to.lane[at] = static_cast<uint16_t>(g.lane.v[i]);
         }
