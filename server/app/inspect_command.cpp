@@ -4,6 +4,7 @@
 #include "server/base/clock.h"
 #include "server/base/text.h"
 #include "server/request/effect_set.h"
+#include "server/request/settings.h"
 #include "server/scene/load/scene_source.h"
 
 #include <algorithm>
@@ -118,6 +119,8 @@ void addInspectCommand(CLI::App& app, std::function<int()>& run) {
     CLI::App* command = app.add_subcommand("inspect", "Show what is in a scene, which effects it calls for and why");
     addSceneArgument(*command, *options);
     addJsonOption(*command, *options);
+    // Hidden: the table that docs/reference/settings.md is made from (tools/settings_page.mjs).
+    command->add_flag_callback("--settings", [] { std::cout << settingsSchema().dump(2) << "\n"; throw CLI::Success(); })->group("");
     command->footer("Examples:\n"
                     "  heliograph inspect glass\n"
                     "  heliograph inspect model.glb --json");
