@@ -226,7 +226,7 @@ def faults():
         d.box(636, y, 300, 60, then, *so)
         d.arrow((294, y + 30), (330, y + 30))
         d.arrow((600, y + 30), (636, y + 30))
-    d.text(24, 602, './check asan, tsan and the hard cases of ./check unit look for what nobody catches.', 12, colour=MUTED)
+    d.text(24, 602, './check fuzz, asan, tsan and the hard cases of ./check unit look for what nobody catches.', 12, colour=MUTED)
     return d
 
 
