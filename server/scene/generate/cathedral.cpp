@@ -2,7 +2,7 @@
 // comes through the southern windows and takes the colours of their glass; the floor is polished.
 
 #include "server/scene/generate/cathedral_parts.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"
 #include "server/scene/generate/views.h"

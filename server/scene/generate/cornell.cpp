@@ -1,6 +1,6 @@
 // The box: two metres a side, open towards the viewer, with the two blocks that every Cornell box has and two balls.
 
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"

@@ -3,7 +3,7 @@
 // time.
 
 #include "server/scene/generate/courtyard_parts.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"
 #include "server/scene/generate/views.h"

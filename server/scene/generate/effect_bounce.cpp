@@ -1,7 +1,7 @@
 // Indirect light: a lamp shines on a red and a blue wall from behind a screen, so that half of the room is lit by them alone.
 
 #include "server/scene/generate/effect_stage.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"

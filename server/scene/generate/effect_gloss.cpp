@@ -2,7 +2,7 @@
 // Methods for Light Transport Simulation", 1997, figure 9.2).
 
 #include "server/scene/generate/effect_stage.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"

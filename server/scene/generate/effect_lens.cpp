@@ -1,7 +1,7 @@
 // Depth of field: balls in a row from near to far, and small lamps in the dark behind them, which a lens turns into discs.
 
 #include "server/scene/generate/effect_stage.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"

@@ -1,7 +1,7 @@
 // A court of matt columns and balls with one small mirror in it, and the same without: what does a little of an effect cost?
 // From the first viewpoint the mirror covers about one pixel of a hundred.
 
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"

@@ -1,7 +1,7 @@
 // Motion blur: posts and balls at several depths, and a second viewpoint a step aside for where the camera was a frame ago.
 
 #include "server/scene/generate/effect_stage.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"

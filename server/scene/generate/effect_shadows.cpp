@@ -1,7 +1,7 @@
 // Soft shadows: columns, a ball and a board under a shining ball and a shining panel; and the same under points.
 
 #include "server/scene/generate/effect_stage.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"

@@ -22,4 +22,8 @@ const std::vector<SceneRecipe>& generatedRecipes();
 /// Fills `builder` with the scene `name`. Throws InputError naming the known scenes if there is none of that name.
 void generateScene(const std::string& name, SceneBuilder& builder);
 
+// What fills a builder with each scene, in a source file of its own.
+#define SCENE(name, fill, description) void fill(SceneBuilder& builder);
+#include "server/scene/generate/scene_table.inc"
+
 }  // namespace heliograph

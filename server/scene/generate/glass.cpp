@@ -2,7 +2,7 @@
 // glasses and the marbles are instances of one mesh each.
 
 #include "server/scene/generate/glass_parts.h"
-#include "server/scene/generate/scenes.h"
+#include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"
