@@ -3,7 +3,7 @@
 #include "server/app/progress_bar.h"
 #include "server/base/clock.h"
 #include "server/base/text.h"
-#include "server/request/effect_set.h"
+#include "server/request/effect_rules.h"
 #include "server/request/settings.h"
 #include "server/scene/load/scene_source.h"
 

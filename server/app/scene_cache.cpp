@@ -1,5 +1,6 @@
 #include "server/app/scene_cache.h"
 
+#include "server/request/effect_rules.h"
 #include "server/base/clock.h"
 #include "server/base/error.h"
 #include "server/base/log.h"

@@ -1,5 +1,7 @@
 #include "server/render/frame_renderer.h"
 
+#include "server/request/effect_rules.h"
+
 namespace heliograph {
 
 FrameStats renderFrame(Device& device, const FrameRequest& request, uint32_t samples, Film& film, std::stop_token stop,

@@ -20,11 +20,10 @@ std::vector<EffectPair> effectPairs(const std::vector<EffectReason>& effects, co
 }
 
 Settings withAllAllowed(Settings settings) {
-    const nlohmann::json defaults = Settings{}.toJson();
-#define EFFECT(bit, CONSTANT, name, setting, help) \
-    if (!std::string_view(setting).empty() && defaults.at(setting).get<bool>()) settings.set(setting, true);
-#include "shaders/kernel/effect_table.glsl"
-#undef EFFECT
+    const Settings defaults;
+    for (const EffectRow& row : effectRows()) {
+        if (row.allowedBy && defaults.*row.allowedBy) settings.*row.allowedBy = true;
+    }
     return settings;
 }
 

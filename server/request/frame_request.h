@@ -3,8 +3,9 @@
 // alone, so any device may make any tile.
 
 #include "server/request/camera.h"
-#include "server/request/effect_set.h"
+#include "server/request/effects.h"
 #include "server/request/settings.h"
+#include "server/scene/scene.h"
 
 #include <memory>
 #include <optional>

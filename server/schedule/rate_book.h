@@ -2,7 +2,7 @@
 // How fast each device has turned out to be, by effect set. Learned from the devices' own time stamps as long as they
 // agree with what the scheduler sees; what it sees otherwise. Warm-up is never shown to it.
 
-#include "server/request/effect_set.h"
+#include "server/request/effects.h"
 
 #include <map>
 #include <string>

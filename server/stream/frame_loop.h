@@ -3,6 +3,7 @@
 // device with other loops by taking turns (turns.h). While the viewer moves, every frame is one pass of one sample; at rest
 // passes accumulate up to the `samples` setting. The rules of who gives way to whom are in view_request.h.
 
+#include "server/request/effect_rules.h"
 #include "server/device/device.h"
 #include "server/film/film_pool.h"
 #include "server/film/cell_reach.h"

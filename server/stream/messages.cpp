@@ -1,6 +1,6 @@
 #include "server/stream/messages.h"
 
-#include "server/request/effect_set.h"
+#include "server/request/effect_rules.h"
 #include "server/base/version.h"
 
 #include <algorithm>

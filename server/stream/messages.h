@@ -1,6 +1,7 @@
 #pragma once
 // What the server says in `heliograph.v1`: each function makes the text of one control message (docs/protocol.md).
 
+#include "server/request/effect_rules.h"
 #include "server/net/protocol.h"
 #include "server/stream/effect_meter.h"
 #include "server/schedule/partition.h"

@@ -6,9 +6,8 @@
 UINT_CONSTANT(NO_INDEX, 0xffffffffu)
 
 // Effect bits, from the table.
-#define EFFECT(bit, CONSTANT, name, setting, help) UINT_CONSTANT(CONSTANT, 1u << bit)
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) UINT_CONSTANT(CONSTANT, 1u << bit)
 #include "effect_table.glsl"
-#undef EFFECT
 
 // Material.flags
 UINT_CONSTANT(MATERIAL_PHONG, 1u)         // Phong/MTL model; else metallic-roughness

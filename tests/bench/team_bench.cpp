@@ -1,5 +1,6 @@
 #include "tests/bench/gpu_bench.h"
 
+#include "server/request/effect_rules.h"
 #include "server/device/embree/embree_device.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/lab/effect_bench.h"

@@ -1,5 +1,6 @@
 #include "tests/image/picture.h"
 
+#include "server/request/effect_rules.h"
 #include "server/scene/generate/sky.h"
 
 #include <gtest/gtest.h>

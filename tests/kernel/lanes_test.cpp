@@ -2,6 +2,7 @@
 // tests/image/determinism_test.cpp compares whole tiles on all the instruction sets that the processor has.
 
 #define HELIOGRAPH_KERNEL_NAMESPACE lanes_under_test
+#include "server/request/effect_rules.h"
 #include "server/kernel/kernel_lanes.h"
 #include "tests/kernel/kernel_access.h"
 

@@ -1,6 +1,6 @@
 #include "server/device/embree/tile_programs.h"
 
-#include "server/request/effect_set.h"
+#include "server/request/effects.h"
 
 #include <bit>
 #include <cstdlib>

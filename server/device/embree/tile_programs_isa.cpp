@@ -26,22 +26,23 @@ TileProgram* makeProgram() {
     return new CompiledProgram<EFFECTS & ~HELIOGRAPH_EFFECTS_LEFT_OUT>();
 }
 
-constexpr uint32_t PLAIN = EFFECT_SHADOWS | EFFECT_TEXTURES | EFFECT_ENVIRONMENT_IMAGE | EFFECT_EMISSION;
-constexpr uint32_t MIRRORS = PLAIN | EFFECT_REFLECTIONS | EFFECT_NORMAL_MAPS | EFFECT_TANGENTS;
-constexpr uint32_t OCCLUSION = MIRRORS | EFFECT_AMBIENT_OCCLUSION;
-constexpr uint32_t EVERYTHING = 0xffffffffu;
-// What spreads its rays (shaders/kernel/effects) is looked for at run time in EVERYTHING alone.
-constexpr uint32_t SPREAD = EFFECT_SOFT_SHADOWS | EFFECT_DEPTH_OF_FIELD | EFFECT_FOG | EFFECT_GLOSSY_REFLECTIONS | EFFECT_MOTION_BLUR |
-                            EFFECT_INDIRECT_LIGHT;
-constexpr uint32_t SHARP = EVERYTHING & ~SPREAD;
+/// The programs, from the fewest effects to all of them: column `tier` of the effect table.
+enum class Tier { plain, mirrors, occlusion, sharp, everything };
 
-constexpr TileProgramRow ROWS[] = {
-    {PLAIN, makeProgram<PLAIN>},
-    {MIRRORS, makeProgram<MIRRORS>},
-    {OCCLUSION, makeProgram<OCCLUSION>},
-    {SHARP, makeProgram<SHARP>},
-    {EVERYTHING, makeProgram<EVERYTHING>},
-};
+/// Bits of the effects that the program of a tier has compiled in. What spreads its rays (shaders/kernel/effects) is looked
+/// for at run time in `everything` alone.
+constexpr uint32_t upTo(Tier last) {
+    uint32_t bits = 0;
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) bits |= Tier::tier <= last ? CONSTANT : 0u;
+#include "shaders/kernel/effect_table.glsl"
+    return bits;
+}
+
+template <Tier TIER>
+constexpr TileProgramRow ROW = {upTo(TIER), makeProgram<upTo(TIER)>};
+
+constexpr TileProgramRow ROWS[] = {ROW<Tier::plain>, ROW<Tier::mirrors>, ROW<Tier::occlusion>, ROW<Tier::sharp>,
+                                   ROW<Tier::everything>};
 
 }  // namespace
 

@@ -2,7 +2,7 @@
 // The preview's render pass and its graphics pipelines, one for each set of effects.
 
 #include "server/device/vulkan/trace/gpu_scene.h"
-#include "server/request/effect_set.h"
+#include "server/request/effects.h"
 
 #include <map>
 

@@ -1,5 +1,6 @@
 #include "server/device/vulkan/trace/vulkan_device.h"
 
+#include "server/request/effect_rules.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/device/vulkan/trace/trace_work.h"

@@ -1,4 +1,4 @@
-#include "server/request/effect_set.h"
+#include "server/request/effect_rules.h"
 
 #include <algorithm>
 #include <array>
@@ -172,7 +172,32 @@ Finding litSurfaceIn(const Usage& usage) {
     return {true, counted(usage.triangles, "triangle")};
 }
 
-Finding shadowsIn(const Usage& usage) {
+/// Blended, and somewhere less than solid.
+bool blends(const Usage& usage, uint32_t m) {
+    return (usage.scene.materials[m].flags & MATERIAL_ALPHA_BLEND) != 0 && (usage.met[m] & Usage::MET_TRANSPARENT) != 0;
+}
+
+Finding byItsMaterial(const Usage& usage, const char* lack, const std::function<bool(const Material&)>& wanted) {
+    return byMaterial(usage, lack, [&](uint32_t m) { return wanted(usage.scene.materials[m]); });
+}
+
+/// For what is the viewer's choice alone: called for wherever there is something to see.
+Finding anywhere(const Usage& usage) {
+    if (usage.triangles == 0) return {false, "no triangles"};
+    return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
+}
+
+/// The same for what acts on lit surfaces.
+Finding onLitSurfaces(const Usage& usage) {
+    Finding surface = litSurfaceIn(usage);
+    if (surface.calledFor) surface.because += "; the viewer chooses";
+    return surface;
+}
+
+/// The rule of each row of the table, by its name.
+namespace rules {
+
+Finding shadows(const Usage& usage) {
     const Scene& scene = usage.scene;
     if (scene.lights.empty()) return {false, "no light"};
     if (std::none_of(scene.lights.begin(), scene.lights.end(), shines)) return {false, "every light is black"};
@@ -189,12 +214,7 @@ Finding shadowsIn(const Usage& usage) {
     return {true, counted(shining, "light") + " (" + kinds + ")"};
 }
 
-/// Blended, and somewhere less than solid.
-bool blends(const Usage& usage, uint32_t m) {
-    return (usage.scene.materials[m].flags & MATERIAL_ALPHA_BLEND) != 0 && (usage.met[m] & Usage::MET_TRANSPARENT) != 0;
-}
-
-Finding softShadowsIn(const Usage& usage) {
+Finding softShadows(const Usage& usage) {
     const auto& lights = usage.scene.lights;
     if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
     auto wide = std::count_if(lights.begin(), lights.end(), [](const Light& l) { return shines(l) && (l.radius > 0.0f || l.type == LIGHT_QUAD); });
@@ -202,27 +222,27 @@ Finding softShadowsIn(const Usage& usage) {
     return {true, counted(static_cast<uint64_t>(wide), "light") + " with an extent"};
 }
 
-Finding transparentShadowsIn(const Usage& usage) {
-    Finding light = shadowsIn(usage);
+Finding transparentShadows(const Usage& usage) {
+    Finding light = shadows(usage);
     if (!light.calledFor) return light;
     return byMaterial(usage, "no surface lets light through",
                       [&](uint32_t m) { return transmits(usage.scene, usage.scene.materials[m]) || blends(usage, m); });
 }
 
-Finding environmentIn(const Usage& usage) {
+Finding environment(const Usage& usage) {
     const Scene& scene = usage.scene;
     if (scene.environment.image == NO_INDEX) return {false, "no environment image"};
     const ImageLevel& level = scene.imageLevels[scene.images[scene.environment.image].firstLevel];
     return {true, "an image of " + std::to_string(level.width) + "x" + std::to_string(level.height) + " pixels"};
 }
 
-Finding tangentsIn(const Usage& usage) {
+Finding tangents(const Usage& usage) {
     return byMaterial(usage, "no normal or bump image on a mesh with tangents", [&](uint32_t m) {
         return bumpy(usage.scene.materials[m]) && (usage.met[m] & Usage::MET_TANGENTS) != 0;
     });
 }
 
-Finding instancingIn(const Usage& usage) {
+Finding instancing(const Usage& usage) {
     const auto& instances = usage.scene.instances;
     auto placed = std::count_if(instances.begin(), instances.end(),
                                 [](const Instance& i) { return (i.flags & INSTANCE_IDENTITY) == 0; });
@@ -231,59 +251,56 @@ Finding instancingIn(const Usage& usage) {
                       counted(usage.scene.triangles.size(), "stored triangle")};
 }
 
-Finding findingFor(uint32_t effect, const Usage& usage) {
-    auto material = [&](const char* lack, auto&& wanted) {
-        return byMaterial(usage, lack, [&](uint32_t m) { return wanted(usage.scene.materials[m]); });
-    };
-    switch (effect) {
-        case EFFECT_SHADOWS: return shadowsIn(usage);
-        case EFFECT_TRANSPARENT_SHADOWS: return transparentShadowsIn(usage);
-        case EFFECT_REFLECTIONS: 
-            return material("no mirror, glass or smooth surface", [&](const Material& m) { return reflects(usage.scene, m); });
-        case EFFECT_REFRACTIONS:
-            return material("no transmissive material", [&](const Material& m) { return transmits(usage.scene, m); });
-        case EFFECT_AMBIENT_OCCLUSION:
-        case EFFECT_INDIRECT_LIGHT: {
-            Finding surface = litSurfaceIn(usage);
-            if (surface.calledFor) surface.because += "; the viewer chooses";
-            return surface;
-        }
-        case EFFECT_DEPTH_OF_FIELD:
-        case EFFECT_FOG:
-        case EFFECT_MOTION_BLUR:
-            if (usage.triangles == 0) return {false, "no triangles"};
-            return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
-        case EFFECT_ENVIRONMENT_IMAGE: return environmentIn(usage);
-        case EFFECT_TEXTURES: return material("no material has a texture", hasTexture);
-        case EFFECT_NORMAL_MAPS:
-            return material("no normal or bump image", bumpy);
-        case EFFECT_VERTEX_COLORS:
-            return byMaterial(usage, "every vertex is white", [&](uint32_t m) { return bool(usage.coloured[m]); });
-        case EFFECT_ALPHA_MASK:
-            return byMaterial(usage, "no cut-out material",
-                              [&](uint32_t m) { return (usage.met[m] & Usage::MET_MASKED) != 0; });
-        case EFFECT_ALPHA_BLEND:
-            return byMaterial(usage, "no blended material", [&](uint32_t m) { return blends(usage, m); });
-        case EFFECT_ABSORPTION:
-            return material("no body that absorbs", [&](const Material& m) {
-                vec4 a = m.absorption;
-                bool body = (m.flags & MATERIAL_VOLUME) != 0 && transmits(usage.scene, m);
-                return body && (a.x > 0.0f || a.y > 0.0f || a.z > 0.0f);
-            });
-        case EFFECT_EMISSION:
-            return material("nothing glows", [&](const Material& m) { return glows(usage.scene, m); });
-        case EFFECT_INSTANCING: return instancingIn(usage);
-        case EFFECT_TANGENTS: return tangentsIn(usage);
-        case EFFECT_SECOND_UV:
-            return material("every texture uses the first coordinates", [&](const Material& m) { return usesSecondUv(usage.scene, m); });
-        case EFFECT_SOFT_SHADOWS: return softShadowsIn(usage);
-        case EFFECT_GLOSSY_REFLECTIONS:
-            return material("no surface between smooth and rough", [&](const Material& m) { return glossy(usage.scene, m); });
-        default: break;
-    }
-    // A row added to the table without a rule here is on: never a wrong picture, and the reason says what to do.
-    return {true, "no rule in render/effect_set"};
+Finding reflections(const Usage& usage) {
+    return byItsMaterial(usage, "no mirror, glass or smooth surface", [&](const Material& m) { return reflects(usage.scene, m); });
 }
+
+Finding glossyReflections(const Usage& usage) {
+    return byItsMaterial(usage, "no surface between smooth and rough", [&](const Material& m) { return glossy(usage.scene, m); });
+}
+
+Finding refractions(const Usage& usage) {
+    return byItsMaterial(usage, "no transmissive material", [&](const Material& m) { return transmits(usage.scene, m); });
+}
+
+Finding absorption(const Usage& usage) {
+    return byItsMaterial(usage, "no body that absorbs", [&](const Material& m) {
+        vec4 a = m.absorption;
+        bool body = (m.flags & MATERIAL_VOLUME) != 0 && transmits(usage.scene, m);
+        return body && (a.x > 0.0f || a.y > 0.0f || a.z > 0.0f);
+    });
+}
+
+Finding ambientOcclusion(const Usage& usage) { return onLitSurfaces(usage); }
+Finding indirectLight(const Usage& usage) { return onLitSurfaces(usage); }
+Finding depthOfField(const Usage& usage) { return anywhere(usage); }
+Finding motionBlur(const Usage& usage) { return anywhere(usage); }
+Finding fog(const Usage& usage) { return anywhere(usage); }
+Finding textures(const Usage& usage) { return byItsMaterial(usage, "no material has a texture", hasTexture); }
+Finding normalMaps(const Usage& usage) { return byItsMaterial(usage, "no normal or bump image", bumpy); }
+
+Finding vertexColors(const Usage& usage) {
+    return byMaterial(usage, "every vertex is white", [&](uint32_t m) { return bool(usage.coloured[m]); });
+}
+
+Finding alphaMask(const Usage& usage) {
+    return byMaterial(usage, "no cut-out material", [&](uint32_t m) { return (usage.met[m] & Usage::MET_MASKED) != 0; });
+}
+
+Finding alphaBlend(const Usage& usage) {
+    return byMaterial(usage, "no blended material", [&](uint32_t m) { return blends(usage, m); });
+}
+
+Finding emission(const Usage& usage) {
+    return byItsMaterial(usage, "nothing glows", [&](const Material& m) { return glows(usage.scene, m); });
+}
+
+Finding secondTextureCoordinates(const Usage& usage) {
+    return byItsMaterial(usage, "every texture uses the first coordinates",
+                         [&](const Material& m) { return usesSecondUv(usage.scene, m); });
+}
+
+}  // namespace rules
 
 /// "2 animations (walk, run)": the first names that there are.
 std::string listed(const std::vector<std::string>& names, const std::string& noun) {
@@ -313,13 +330,14 @@ std::vector<EffectReason> notSimulated(const AtRest& atRest) {
 std::vector<EffectReason> explainEffects(const Scene& scene) {
     const Usage usage(scene);
     std::vector<EffectReason> reasons;
-#define EFFECT(bit, CONSTANT, name, setting, help)                                              \
-    {                                                                                           \
-        Finding finding = findingFor(CONSTANT, usage);                                          \
-        reasons.push_back({name, CONSTANT, finding.calledFor, finding.because, setting, help, true}); \
-    }
+    std::vector<Finding> findings;
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) findings.push_back(rules::name(usage));
 #include "shaders/kernel/effect_table.glsl"
-#undef EFFECT
+    for (size_t i = 0; i < findings.size(); i++) {
+        const EffectRow& row = effectRows()[i];
+        reasons.push_back({std::string(row.name), row.bit, findings[i].calledFor, findings[i].because, std::string(row.setting),
+                           std::string(row.help), true});
+    }
     for (EffectReason& row : notSimulated(scene.atRest)) reasons.push_back(std::move(row));
     return reasons;
 }
@@ -333,31 +351,5 @@ EffectSet calledFor(const std::vector<EffectReason>& effects) {
 }
 
 EffectSet effectsOf(const Scene& scene) { return calledFor(explainEffects(scene)); }
-
-EffectSet allowedEffects(const Settings& settings) {
-    const nlohmann::json values = settings.toJson();
-    EffectSet allowed;
-#define EFFECT(bit, CONSTANT, name, setting, help) \
-    if (std::string_view(setting).empty() || values.at(setting).get<bool>()) allowed.bits |= CONSTANT;
-#include "shaders/kernel/effect_table.glsl"
-#undef EFFECT
-    // A radius of 0 darkens nothing, so no ray is spent on it.
-    if (settings.aoRadius <= 0.0f) allowed.bits &= ~EFFECT_AMBIENT_OCCLUSION;
-    if (!settings.reflections) allowed.bits &= ~EFFECT_GLOSSY_REFLECTIONS;
-    if (!settings.shadows) allowed.bits &= ~EFFECT_SOFT_SHADOWS;
-    if (settings.fogDensity <= 0.0f) allowed.bits &= ~EFFECT_FOG;
-    if (settings.shutter <= 0.0f) allowed.bits &= ~EFFECT_MOTION_BLUR;
-    if (settings.aperture <= 0.0f) allowed.bits &= ~EFFECT_DEPTH_OF_FIELD;
-    return allowed;
-}
-
-std::vector<std::string> effectNames(EffectSet effects) {
-    std::vector<std::string> names;
-#define EFFECT(bit, CONSTANT, name, setting, help) \
-    if (effects.has(CONSTANT)) names.push_back(name);
-#include "shaders/kernel/effect_table.glsl"
-#undef EFFECT
-    return names;
-}
 
 }  // namespace heliograph

@@ -1,17 +1,10 @@
 #pragma once
-// Which effects a scene calls for, and why; and which of them a request then uses.
+// Which effects a scene calls for, and why: one rule per row of effect_table.glsl, found by the row's name.
 
-#include "server/request/settings.h"
+#include "server/request/effects.h"
 #include "server/scene/scene.h"
 
 namespace heliograph {
-
-/// A set of EFFECT_* bits.
-struct EffectSet {
-    uint32_t bits = 0;
-    bool has(uint32_t effect) const { return (bits & effect) != 0; }
-    bool operator==(const EffectSet&) const = default;
-};
 
 struct EffectReason {
     std::string name;
@@ -29,9 +22,5 @@ std::vector<EffectReason> explainEffects(const Scene& scene);
 EffectSet calledFor(const std::vector<EffectReason>& effects);
 /// The effects that the scene calls for.
 EffectSet effectsOf(const Scene& scene);
-/// The effects that the settings allow.
-EffectSet allowedEffects(const Settings& settings);
-/// Names of the effects in the set, in table order.
-std::vector<std::string> effectNames(EffectSet effects);
 
 }  // namespace heliograph
