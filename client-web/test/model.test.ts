@@ -21,6 +21,8 @@ function row(name: string, type: SettingRow['type'], preset: SettingRow['default
     label: name,
     effect: '',
     price: '',
+    group: 'picture',
+    acts: name === 'fieldOfView' ? 'command' : 'film',
     help: '',
     choices: [],
   };

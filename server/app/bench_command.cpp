@@ -226,7 +226,7 @@ int runBenchDevices(const BenchOptions& options, std::ostream& out) {
     DeviceBenchOptions bounds;
     bounds.repetitions = checkedCount("--repetitions", options.repetitions);
     std::vector<DeviceBenchResult> results;
-    const bool together = Settings::choiceWord("device", bench.given.settings.device) == "hybrid";
+    const bool together = bench.given.settings.device == Settings::choice("device", "hybrid");
     nlohmann::ordered_json hybrid;
     {
         ProgressBar bar;

@@ -6,6 +6,7 @@
 #include "server/device/vulkan/raster/raster_device.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/base/error.h"
+#include "server/request/device_rows.h"
 
 #include <algorithm>
 #include <thread>
@@ -32,9 +33,13 @@ std::string joined(const std::vector<std::string>& words) {
 }
 
 std::unique_ptr<Device> makeNamed(const std::string& word) {
-    if (word == "raster") return makeRasterDevice();
-    if (!word.starts_with("vulkan")) return makeEmbreeDevice();
-    return makeVulkanDevice(word.size() > 7 ? word.substr(7) : "");
+    const size_t colon = word.find(':');
+    const std::string name = word.substr(0, colon);
+    const std::string which = colon == std::string::npos ? "" : word.substr(colon + 1);
+#define DEVICE(row, bit, kind, side, words, onSwitch, standIn, make) \
+    if (name == #row) return make;
+#include "server/request/device_table.inc"
+    throw InputError("device", word, "a row of device_table.inc");
 }
 
 /// A device switch with a scheduler of its own.
@@ -105,6 +110,10 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
         if (device.index < 4) offer.words.push_back(word);  // the setting's choices end there
     }
     if (std::ranges::any_of(devices, &PhysicalDevice::graphics)) offer.words.push_back("raster");
+    for (const DeviceRow& row : deviceRows()) {
+        const bool asksForVulkan = row.kind == DeviceKind::gpu || row.kind == DeviceKind::preview;
+        if (!asksForVulkan && row.name != "embree") offer.words.emplace_back(row.name);
+    }
     offer.words.push_back("hybrid");
     auto asked = [&](const std::string& word) { return only.empty() || std::ranges::find(only, word) != only.end(); };
     const bool everything = asked("auto") || asked("hybrid");

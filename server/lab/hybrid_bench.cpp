@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/render/device_switch.h"
+#include "server/request/device_rows.h"
 #include "server/film/film.h"
 #include "server/render/frame_renderer.h"
 #include "server/film/stats.h"

@@ -1,6 +1,7 @@
 #include "server/render/device_switch.h"
 
 #include "server/base/log.h"
+#include "server/request/device_rows.h"
 
 #include <algorithm>
 #include <chrono>
@@ -130,7 +131,10 @@ private:
         return info;
     }
 
-    bool hasSpare(const std::string& name) const { return name.starts_with("vulkan") && !offer_.spare.empty(); }
+    bool hasSpare(const std::string& name) const {
+        const DeviceRow* row = deviceRow(name);
+        return row && !row->standIn.empty() && !offer_.spare.empty();
+    }
 
     /// The device with the scene. Devices do not wait for each other's loading. Throws what it throws.
     std::shared_ptr<Device> loadNow(const std::shared_ptr<Entry>& entry, const Settings& settings, const Progress& progress) {
@@ -367,10 +371,6 @@ private:
 };
 
 }  // namespace
-
-bool switchedOff(const std::string& device, const Settings& settings) {
-    return device.starts_with("vulkan") ? !settings.enableVulkan : device == "embree" && !settings.enableEmbree;
-}
 
 std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options) {
     return std::make_unique<DeviceSwitch>(std::move(offer), scheduler, std::move(options));

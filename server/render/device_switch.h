@@ -34,7 +34,4 @@ struct DeviceSwitchOptions {
 /// outlives the switch.
 std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options = {});
 
-/// Devices of hybrid that the settings switch off.
-bool switchedOff(const std::string& device, const Settings& settings);
-
 }  // namespace heliograph

@@ -1,6 +1,7 @@
 #include "server/render/pass_renderer.h"
 
 #include "server/schedule/frame_history.h"
+#include "server/request/device_rows.h"
 #include "server/request/view_request.h"
 
 #include <algorithm>
@@ -11,14 +12,6 @@
 namespace heliograph {
 
 namespace {
-
-/// The device's bit in the frame header.
-uint32_t deviceBit(const std::string& device) {
-    if (device.starts_with("embree")) return 1;
-    if (device.starts_with("vulkan")) return 2;
-    if (device.starts_with("raster")) return 4;
-    return 8;
-}
 
 /// The report of a device that worked alone since `begin`.
 ScheduleReport aloneReport(const Partition& partition, double begin, uint32_t tiles) {
@@ -48,7 +41,7 @@ void makeRoom(Film& film) {
 void beginHistory(FrameHistory& history, const Pass& pass, uvec2 cell) {
     history.costs.begin(pass.film.resolution(), cell);
     history.report = {};
-    const bool together = Settings::choiceWord("device", pass.request.settings.device) == "hybrid";
+    const bool together = pass.request.settings.device == Settings::choice("device", "hybrid");
     if (pass.firstSample < 2 || !together) history.errors.clear();
     else if (std::has_single_bit(pass.firstSample)) history.errors = pass.film.cellErrors(cell);
 }

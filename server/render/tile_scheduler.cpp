@@ -1,6 +1,7 @@
 #include "server/render/tile_scheduler.h"
 
 #include "server/base/clock.h"
+#include "server/request/device_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,10 @@ namespace {
 /// Deviation of cells' costs, as a share of their mean, below which predictions count as good: the camera rests.
 constexpr double AT_REST = 0.01;
 
-bool isGpuSide(const Candidate& candidate) { return candidate.info.name.starts_with("vulkan"); }
+bool isGpuSide(const Candidate& candidate) {
+    const DeviceRow* row = deviceRow(candidate.info.name);
+    return row && row->side == DeviceSide::gpu;
+}
 
 /// The order in which tiles are wanted: the noisiest first where that is known, else from the middle outwards.
 std::vector<uint32_t> wantedOrder(std::span<const Tile> tiles, const FrameHistory& history) {
@@ -243,7 +247,7 @@ ScheduleResult TileScheduler::render(const FrameRequest& request, std::span<cons
     if (!request.history) history.costs.begin(request.resolution, tiles.empty() ? uvec2(CELL_SIZE) : tiles.front().size);
     ScheduleResult result;
     result.missing.assign(tiles.begin(), tiles.end());
-    bool byHand = Settings::choiceWord("hybridBalance", request.settings.hybridBalance) == "manual";
+    bool byHand = request.settings.hybridBalance == Settings::choice("hybridBalance", "manual");
     while (!result.missing.empty() && !stop.stop_requested()) {
         if (std::ranges::none_of(candidates, [](const Candidate& c) { return c.blocked.empty(); })) break;
         const Job job{request, result.missing, candidates, history, sink, stop};

@@ -17,19 +17,11 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.fogSigma = request.settings.fogDensity / std::max(constants.fogRadius, 1e-20f);
     // One sequence for every request: pictures of the same view are equal, and so are films of two servers.
     constants.seed = 1;
-#define SETTING_BOOL(name, def, label, effect, price, help)
-#define SETTING_INT(name, def, low, high, unit, label, effect, price, help)
-#define SETTING_FLOAT(name, def, low, high, unit, label, effect, price, help)
-#define SETTING_CHOICE(name, def, choices, label, effect, price, help)
-#define SETTING_K_INT(name, def, low, high, unit, label, effect, price, help) constants.name = request.settings.name;
-#define SETTING_K_FLOAT(name, def, low, high, unit, label, effect, price, help) constants.name = request.settings.name;
+#define SETTING_K_INT(name, group, acts, def, low, high, unit, label, effect, price, help) \
+    constants.name = request.settings.name;
+#define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) \
+    constants.name = request.settings.name;
 #include "shaders/kernel/settings_table.glsl"
-#undef SETTING_BOOL
-#undef SETTING_INT
-#undef SETTING_FLOAT
-#undef SETTING_CHOICE
-#undef SETTING_K_INT
-#undef SETTING_K_FLOAT
     return constants;
 }
 

@@ -19,6 +19,9 @@ using Field = std::variant<bool Settings::*, uint32_t Settings::*, float Setting
 struct Row {
     enum class Type { boolean, integer, real, choice };
     std::string_view name;
+    std::string_view group;
+    Acts acts;
+    std::string_view actsWord;
     Type type;
     Field field;
     double initial;
@@ -33,23 +36,16 @@ struct Row {
 };
 
 constexpr Row ROWS[] = {
-#define SETTING_BOOL(name, def, label, effect, price, help) \
-    {#name, Row::Type::boolean, &Settings::name, def, 0, 1, "", "", label, effect, price, help},
-#define SETTING_INT(name, def, low, high, unit, label, effect, price, help) \
-    {#name, Row::Type::integer, &Settings::name, def, low, high, unit, "", label, effect, price, help},
-#define SETTING_FLOAT(name, def, low, high, unit, label, effect, price, help) \
-    {#name, Row::Type::real, &Settings::name, def, low, high, unit, "", label, effect, price, help},
-#define SETTING_CHOICE(name, def, choices, label, effect, price, help) \
-    {#name, Row::Type::choice, &Settings::name, def, 0, 0, "", choices, label, effect, price, help},
-#define SETTING_K_INT SETTING_INT
-#define SETTING_K_FLOAT SETTING_FLOAT
+#define SETTING_BOOL(name, group, acts, def, label, effect, price, help) \
+    {#name, #group, Acts::acts, #acts, Row::Type::boolean, &Settings::name, def, 0, 1, "", "", label, effect, price, help},
+#define SETTING_INT(name, group, acts, def, low, high, unit, label, effect, price, help)              \
+    {#name, #group, Acts::acts, #acts, Row::Type::integer, &Settings::name, def, low, high, unit, "", \
+     label, effect, price,      help},
+#define SETTING_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) \
+    {#name, #group, Acts::acts, #acts, Row::Type::real, &Settings::name, def, low, high, unit, "", label, effect, price, help},
+#define SETTING_CHOICE(name, group, acts, def, choices, label, effect, price, help) \
+    {#name, #group, Acts::acts, #acts, Row::Type::choice, &Settings::name, def, 0, 0, "", choices, label, effect, price, help},
 #include "shaders/kernel/settings_table.glsl"
-#undef SETTING_BOOL
-#undef SETTING_INT
-#undef SETTING_FLOAT
-#undef SETTING_CHOICE
-#undef SETTING_K_INT
-#undef SETTING_K_FLOAT
 };
 
 std::vector<std::string> wordsOf(std::string_view choices) {
@@ -193,12 +189,21 @@ std::string Settings::choiceWord(std::string_view name, uint32_t value) {
     throw std::out_of_range("no choice setting " + std::string(name));
 }
 
+Acts actsOf(std::string_view name) { return rowNamed(name).acts; }
+
+Settings onlyActing(const Settings& settings, Acts asked) {
+    Settings only;
+#define SETTING(name, group, acts) \
+    if (Acts::acts == asked) only.name = settings.name;
+#include "shaders/kernel/settings_table.glsl"
+    return only;
+}
+
 uvec2 tileSize(const Settings& settings) {
     if (!settings.tiles) return uvec2(1u << 16, 8u);
-    auto pixels = [](std::string_view name, uint32_t value) {
-        return static_cast<uint32_t>(std::stoul(Settings::choiceWord(name, value)));
-    };
-    return uvec2(pixels("tileWidth", settings.tileWidth), pixels("tileHeight", settings.tileHeight));
+    static_assert(Settings::choice("tileWidth", "8") == 0 && Settings::choice("tileWidth", "256") == 5);
+    static_assert(Settings::choice("tileHeight", "8") == 0 && Settings::choice("tileHeight", "256") == 5);
+    return uvec2(8u << settings.tileWidth, 8u << settings.tileHeight);
 }
 
 nlohmann::json settingsSchema() {
@@ -206,9 +211,16 @@ nlohmann::json settingsSchema() {
     nlohmann::json schema = nlohmann::json::array();
     const nlohmann::json defaults = Settings{}.toJson();
     for (const Row& row : ROWS) {
-        nlohmann::json entry = {{"name", row.name}, {"type", TYPES[static_cast<size_t>(row.type)]},
-                                {"default", defaults.at(std::string(row.name))}, {"unit", row.unit},
-                                {"label", row.label}, {"effect", row.effect}, {"price", row.price}, {"help", row.help}};
+        nlohmann::json entry = {{"name", row.name},
+                                {"type", TYPES[static_cast<size_t>(row.type)]},
+                                {"default", defaults.at(std::string(row.name))},
+                                {"unit", row.unit},
+                                {"label", row.label},
+                                {"effect", row.effect},
+                                {"price", row.price},
+                                {"help", row.help},
+                                {"group", row.group},
+                                {"acts", row.actsWord}};
         bool range = row.type == Row::Type::integer || row.type == Row::Type::real;
         entry["low"] = range ? nlohmann::json(asJsonNumber(static_cast<float>(row.low))) : nlohmann::json(nullptr);
         entry["high"] = range ? nlohmann::json(asJsonNumber(static_cast<float>(row.high))) : nlohmann::json(nullptr);

@@ -7,20 +7,12 @@ namespace heliograph {
 
 namespace {
 
-/// The settings with everything neutral that does not change a sample.
-Settings filmSettings(Settings settings) {
-    const Settings neutral;
-    settings.samples = neutral.samples;
-    settings.exposure = neutral.exposure;
-    settings.toneCurve = neutral.toneCurve;
-    settings.jpegQuality = neutral.jpegQuality;
-    settings.cameraPath = neutral.cameraPath;
-    settings.fieldOfView = neutral.fieldOfView;  // the camera's own counts
-    return settings;
+bool agree(const ViewRequest& a, const ViewRequest& b, Acts acts) {
+    return onlyActing(a.settings, acts) == onlyActing(b.settings, acts);
 }
 
 bool sameFilmButCamera(const ViewRequest& a, const ViewRequest& b) {
-    return a.resolution == b.resolution && filmSettings(a.settings) == filmSettings(b.settings);
+    return a.resolution == b.resolution && agree(a, b, Acts::film);
 }
 
 }  // namespace
@@ -36,8 +28,7 @@ uvec2 filmSize(const ViewRequest& request) {
 bool sameFilm(const ViewRequest& a, const ViewRequest& b) { return a.camera == b.camera && sameFilmButCamera(a, b); }
 
 bool samePicture(const ViewRequest& a, const ViewRequest& b) {
-    return sameFilm(a, b) && a.inputId == b.inputId && a.settings.exposure == b.settings.exposure &&
-           a.settings.toneCurve == b.settings.toneCurve && a.settings.jpegQuality == b.settings.jpegQuality;
+    return sameFilm(a, b) && a.inputId == b.inputId && agree(a, b, Acts::display);
 }
 
 bool cancelsPass(const ViewRequest& running, uint32_t firstSample, bool cancelledBefore, const ViewRequest& newest) {

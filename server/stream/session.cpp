@@ -112,8 +112,8 @@ void Session::handle(const SettingsMessage& message) {
     std::lock_guard lock(mutex_);
     Settings settings = request_.settings;
     for (const auto& [name, value] : message.values.items()) {
-        if (name == "fieldOfView") throw InputError("settings.fieldOfView", "a setting of commands", "the field of `camera`");
-        if (name == "cameraPath") throw InputError("settings.cameraPath", "a setting of commands", "the message `path`");
+        if (actsOf(name) == Acts::command)
+            throw InputError("settings." + name, "a setting of commands", "the messages `camera` and `path`");
         settings.set(name, value);
     }
     std::string device = Settings::choiceWord("device", settings.device);
@@ -122,8 +122,9 @@ void Session::handle(const SettingsMessage& message) {
         for (const std::string& word : devices) words += (words.empty() ? "one of " : " ") + word;
         throw InputError("settings.device", device + " is not here", words);
     }
-    if (device == "hybrid" && !settings.enableEmbree && !settings.enableVulkan) {
-        throw InputError("settings.enableEmbree, settings.enableVulkan", "false, false", "true for one of them at least with device hybrid");
+    if (settings.device == Settings::choice("device", "hybrid") && !settings.enableEmbree && !settings.enableVulkan) {
+        throw InputError("settings.enableEmbree, settings.enableVulkan", "false, false",
+                         "true for one of them at least with device hybrid");
     }
     request_.settings = settings;
     request_.inputId = message.inputId;

@@ -1,53 +1,85 @@
 // One row per setting; C++, GLSL, JSON and the client's form all follow from this table.
-// SETTING_BOOL(name, default, label, effect, price, help)
-// SETTING_INT(name, default, low, high, unit, label, effect, price, help)
-// SETTING_FLOAT(name, default, low, high, unit, label, effect, price, help)
-// SETTING_CHOICE(name, default, "a|b|c", label, effect, price, help)        stored as the index of the choice
+// SETTING_BOOL(name, group, acts, default, label, effect, price, help)
+// SETTING_INT(name, group, acts, default, low, high, unit, label, effect, price, help)
+// SETTING_FLOAT(name, group, acts, default, low, high, unit, label, effect, price, help)
+// SETTING_CHOICE(name, group, acts, default, "a|b|c", label, effect, price, help)        stored as the index of the choice
+// DEVICE_WORDS: auto, the words of request/device_table.inc, hybrid.
+// group: where it stands in the form: picture, effects, renderer or hybrid. acts: what it changes (request/settings.h):
+// film, the samples; display, the picture made of them; loop, how many samples there shall be; command, nothing in a viewer's view.
 // effect: the effect_table row it belongs to, or "". price: which direction is exact and dearer: "up", "down", "on", "off" or "".
 // The K rows (SETTING_K_*) are also fields of the kernel's settings block.
-SETTING_CHOICE(device, 0, "auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3|raster|hybrid", "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present, hybrid all of them together.")
-SETTING_CHOICE(hybridBalance, 0, "auto|manual", "Balance", "", "", "How hybrid divides the picture: auto gives each region to whoever finishes it first, manual cuts it where the share says.")
-SETTING_INT(hybridShare, 50, 0, 100, "%", "Vulkan share", "", "", "Part of the work that goes to Vulkan devices when the balance is manual; the CPU gets the rest.")
-SETTING_BOOL(showPartition, false, "Show partition", "", "", "Tints each cell by the device that made it and draws who worked when.")
-SETTING_BOOL(enableEmbree, true, "Embree takes part", "", "", "Whether the CPU works along in hybrid.")
-SETTING_BOOL(enableVulkan, true, "Vulkan takes part", "", "", "Whether Vulkan devices work along in hybrid.")
-SETTING_FLOAT(renderScale, 1.0f, 0.125f, 1.0f, "x", "Render scale", "", "up", "Rendered resolution as a share of the window. Lower is faster and softer.")
-SETTING_INT(samples, 64, 1, 65536, "per pixel", "Samples at rest", "", "up", "How many samples a pixel collects while the camera rests. More samples, smoother edges.")
-SETTING_BOOL(shadows, true, "Shadows", "shadows", "on", "Shadows from every light. Costs one ray per light and visible point.")
-SETTING_BOOL(softShadows, true, "Soft shadows", "softShadows", "on", "Lights that have an extent throw soft shadows; off takes them as points.")
-SETTING_K_INT(shadowSamples, 4, 1, 256, "rays", "Shadow samples", "softShadows", "up", "Rays per light with an extent, visible point and sample. More rays, less grain in half shadows.")
-SETTING_BOOL(reflections, true, "Reflections", "reflections", "on", "Mirror reflections on metals, glass and polished floors.")
-SETTING_K_INT(maxReflections, 1, 0, 31, "bounces", "Max reflections", "reflections", "up", "How many reflections in a row are followed. The rest is estimated from the environment.")
-SETTING_BOOL(glossyReflections, false, "Glossy reflections", "glossyReflections", "on", "Blurs reflections on surfaces that are not quite smooth. Costs no more rays, but takes samples to become smooth.")
-SETTING_BOOL(refractions, true, "Refractions", "refractions", "on", "Light that passes through glass is bent and tinted.")
-SETTING_K_INT(maxRefractions, 8, 0, 31, "bounces", "Max refractions", "refractions", "up", "How many refracting surfaces in a row are followed. The rest is estimated from the environment.")
-SETTING_BOOL(ambientOcclusion, false, "Ambient occlusion", "ambientOcclusion", "on", "Corners and contacts get less ambient light.")
-SETTING_K_INT(aoSamples, 9, 1, 256, "rays", "AO samples", "ambientOcclusion", "up", "Rays per visible point and sample. More rays, less grain.")
-SETTING_K_FLOAT(aoRadius, 1.0f, 0.0f, 1000.0f, "x scene", "AO radius", "ambientOcclusion", "", "How far a neighbour may be to darken, as a multiple of the radius that suits the scene. 0 turns the darkening off.")
-SETTING_K_FLOAT(aoPower, 1.0f, 0.0f, 10.0f, "", "AO power", "ambientOcclusion", "", "Contrast of the darkening: the visible share is raised to this power. 1 is physical.")
-SETTING_BOOL(indirectLight, false, "Indirect light", "indirectLight", "on", "Surfaces light each other, once, in the place of ambient light and its occlusion. Costs one ray per visible point and the light rays where it ends.")
-SETTING_BOOL(depthOfField, false, "Depth of field", "depthOfField", "on", "Blurs what is nearer or farther than the focus distance. Costs no rays, but takes samples to become smooth.")
-SETTING_K_FLOAT(aperture, 0.05f, 0.0f, 100.0f, "m", "Aperture", "depthOfField", "", "Diameter of the lens: the wider, the more is blurred. 0 is a pinhole, everything is sharp.")
-SETTING_K_FLOAT(focusDistance, 5.0f, 0.0f, 1000000.0f, "m", "Focus distance", "depthOfField", "", "How far in front of the camera everything is sharp.")
-SETTING_BOOL(motionBlur, false, "Motion blur", "motionBlur", "on", "Blurs the picture along the way of a moving camera. Costs no rays, but takes samples to become smooth.")
-SETTING_K_FLOAT(shutter, 0.5f, 0.0f, 1.0f, "x frame", "Shutter", "motionBlur", "", "How much of the time between two frames the shutter is open. 0 freezes the motion.")
-SETTING_BOOL(fog, false, "Fog", "fog", "on", "Fills the scene with fog: far things fade, light becomes visible. Costs rays per light and path.")
-SETTING_K_FLOAT(fogDensity, 0.5f, 0.0f, 1000.0f, "x scene", "Fog density", "fog", "", "At 1 a third of the light gets through across the scene's radius. 0 is clear air.")
-SETTING_K_FLOAT(fogAlbedo, 0.9f, 0.0f, 1.0f, "", "Fog brightness", "fog", "", "Share of the light that the fog scatters; the rest it swallows. 0 is smoke, 1 is mist.")
-SETTING_K_INT(fogSamples, 1, 1, 64, "rays", "Fog samples", "fog", "up", "Rays per light and stretch of a path. More rays, less grain in shafts of light.")
-SETTING_BOOL(environment, true, "Environment image", "environment", "on", "Show and reflect the environment image; off uses its mean colour.")
-SETTING_K_FLOAT(contributionThreshold, 0.004f, 0.0f, 0.5f, "", "Contribution threshold", "", "down", "Rays that can change a pixel by less than this are not followed. 0 follows all.")
-SETTING_FLOAT(exposure, 0.0f, -10.0f, 10.0f, "EV", "Exposure", "", "", "Brightness of the picture in stops; +1 doubles it.")
-SETTING_CHOICE(toneCurve, 0, "filmic|linear", "Tone curve", "", "", "filmic rolls highlights off softly; linear clips at white.")
-SETTING_BOOL(cameraPath, false, "Camera path", "", "", "Fly along the scene's camera path.")
-SETTING_FLOAT(fieldOfView, 60.0f, 1.0f, 179.0f, "deg", "Field of view", "", "", "Vertical opening angle of the camera.")
-SETTING_CHOICE(rasterView, 0, "shaded|normals|depth|material|primitive", "Raster view", "", "", "What the raster preview shows: the lit surface without shadows, or normals, depth, materials and triangles for looking into meshes.")
-SETTING_INT(embreeThreads, 0, 0, 256, "threads", "Embree threads", "", "", "Threads that trace on the CPU; 0 uses every core.")
-SETTING_BOOL(tiles, true, "Tiles", "", "", "Render in tiles; off renders rows of the full width, 8 pixels high.")
-SETTING_CHOICE(tileWidth, 2, "8|16|32|64|128|256", "Tile width", "", "", "Width of a CPU tile, in pixels.")
-SETTING_CHOICE(tileHeight, 2, "8|16|32|64|128|256", "Tile height", "", "", "Height of a CPU tile, in pixels.")
-SETTING_BOOL(primaryPackets, true, "Primary packets", "", "", "Trace camera and shadow rays in packets instead of one by one.")
-SETTING_BOOL(secondaryPackets, true, "Secondary packets", "", "", "Trace ambient occlusion, reflection and refraction rays in packets.")
-SETTING_CHOICE(bvhQuality, 1, "low|medium|high", "BVH quality", "", "", "Quality of the acceleration structure: higher builds slower and may trace faster.")
-SETTING_BOOL(robust, false, "Robust traversal", "", "on", "Watertight traversal: no ray slips through an edge. Costs 5 to 19 percent.")
-SETTING_INT(jpegQuality, 80, 10, 100, "", "JPEG quality", "", "up", "Quality of the streamed picture while it changes.")
+// The including file defines what it needs: a K row falls back on its plain form, and that one on SETTING(name, group, acts).
+#ifndef SETTING
+#define SETTING(name, group, acts)
+#endif
+#ifndef SETTING_BOOL
+#define SETTING_BOOL(name, group, acts, def, label, effect, price, help) SETTING(name, group, acts)
+#endif
+#ifndef SETTING_INT
+#define SETTING_INT(name, group, acts, def, low, high, unit, label, effect, price, help) SETTING(name, group, acts)
+#endif
+#ifndef SETTING_FLOAT
+#define SETTING_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) SETTING(name, group, acts)
+#endif
+#ifndef SETTING_CHOICE
+#define SETTING_CHOICE(name, group, acts, def, choices, label, effect, price, help) SETTING(name, group, acts)
+#endif
+#ifndef SETTING_K_INT
+#define SETTING_K_INT(name, group, acts, def, low, high, unit, label, effect, price, help) SETTING_INT(name, group, acts, def, low, high, unit, label, effect, price, help)
+#endif
+#ifndef SETTING_K_FLOAT
+#define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) SETTING_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help)
+#endif
+SETTING_CHOICE(device, renderer, film, 0, DEVICE_WORDS, "Device", "", "", "Which renderer makes the picture. auto takes the fastest one present, hybrid all of them together.")
+SETTING_CHOICE(hybridBalance, hybrid, film, 0, "auto|manual", "Balance", "", "", "How hybrid divides the picture: auto gives each region to whoever finishes it first, manual cuts it where the share says.")
+SETTING_INT(hybridShare, hybrid, film, 50, 0, 100, "%", "Vulkan share", "", "", "Part of the work that goes to Vulkan devices when the balance is manual; the CPU gets the rest.")
+SETTING_BOOL(showPartition, hybrid, film, false, "Show partition", "", "", "Tints each cell by the device that made it and draws who worked when.")
+SETTING_BOOL(enableEmbree, hybrid, film, true, "Embree takes part", "", "", "Whether the CPU works along in hybrid.")
+SETTING_BOOL(enableVulkan, hybrid, film, true, "Vulkan takes part", "", "", "Whether Vulkan devices work along in hybrid.")
+SETTING_FLOAT(renderScale, picture, film, 1.0f, 0.125f, 1.0f, "x", "Render scale", "", "up", "Rendered resolution as a share of the window. Lower is faster and softer.")
+SETTING_INT(samples, picture, loop, 64, 1, 65536, "per pixel", "Samples at rest", "", "up", "How many samples a pixel collects while the camera rests. More samples, smoother edges.")
+SETTING_BOOL(shadows, effects, film, true, "Shadows", "shadows", "on", "Shadows from every light. Costs one ray per light and visible point.")
+SETTING_BOOL(softShadows, effects, film, true, "Soft shadows", "softShadows", "on", "Lights that have an extent throw soft shadows; off takes them as points.")
+SETTING_K_INT(shadowSamples, effects, film, 4, 1, 256, "rays", "Shadow samples", "softShadows", "up", "Rays per light with an extent, visible point and sample. More rays, less grain in half shadows.")
+SETTING_BOOL(reflections, effects, film, true, "Reflections", "reflections", "on", "Mirror reflections on metals, glass and polished floors.")
+SETTING_K_INT(maxReflections, effects, film, 1, 0, 31, "bounces", "Max reflections", "reflections", "up", "How many reflections in a row are followed. The rest is estimated from the environment.")
+SETTING_BOOL(glossyReflections, effects, film, false, "Glossy reflections", "glossyReflections", "on", "Blurs reflections on surfaces that are not quite smooth. Costs no more rays, but takes samples to become smooth.")
+SETTING_BOOL(refractions, effects, film, true, "Refractions", "refractions", "on", "Light that passes through glass is bent and tinted.")
+SETTING_K_INT(maxRefractions, effects, film, 8, 0, 31, "bounces", "Max refractions", "refractions", "up", "How many refracting surfaces in a row are followed. The rest is estimated from the environment.")
+SETTING_BOOL(ambientOcclusion, effects, film, false, "Ambient occlusion", "ambientOcclusion", "on", "Corners and contacts get less ambient light.")
+SETTING_K_INT(aoSamples, effects, film, 9, 1, 256, "rays", "AO samples", "ambientOcclusion", "up", "Rays per visible point and sample. More rays, less grain.")
+SETTING_K_FLOAT(aoRadius, effects, film, 1.0f, 0.0f, 1000.0f, "x scene", "AO radius", "ambientOcclusion", "", "How far a neighbour may be to darken, as a multiple of the radius that suits the scene. 0 turns the darkening off.")
+SETTING_K_FLOAT(aoPower, effects, film, 1.0f, 0.0f, 10.0f, "", "AO power", "ambientOcclusion", "", "Contrast of the darkening: the visible share is raised to this power. 1 is physical.")
+SETTING_BOOL(indirectLight, effects, film, false, "Indirect light", "indirectLight", "on", "Surfaces light each other, once, in the place of ambient light and its occlusion. Costs one ray per visible point and the light rays where it ends.")
+SETTING_BOOL(depthOfField, effects, film, false, "Depth of field", "depthOfField", "on", "Blurs what is nearer or farther than the focus distance. Costs no rays, but takes samples to become smooth.")
+SETTING_K_FLOAT(aperture, effects, film, 0.05f, 0.0f, 100.0f, "m", "Aperture", "depthOfField", "", "Diameter of the lens: the wider, the more is blurred. 0 is a pinhole, everything is sharp.")
+SETTING_K_FLOAT(focusDistance, effects, film, 5.0f, 0.0f, 1000000.0f, "m", "Focus distance", "depthOfField", "", "How far in front of the camera everything is sharp.")
+SETTING_BOOL(motionBlur, effects, film, false, "Motion blur", "motionBlur", "on", "Blurs the picture along the way of a moving camera. Costs no rays, but takes samples to become smooth.")
+SETTING_K_FLOAT(shutter, effects, film, 0.5f, 0.0f, 1.0f, "x frame", "Shutter", "motionBlur", "", "How much of the time between two frames the shutter is open. 0 freezes the motion.")
+SETTING_BOOL(fog, effects, film, false, "Fog", "fog", "on", "Fills the scene with fog: far things fade, light becomes visible. Costs rays per light and path.")
+SETTING_K_FLOAT(fogDensity, effects, film, 0.5f, 0.0f, 1000.0f, "x scene", "Fog density", "fog", "", "At 1 a third of the light gets through across the scene's radius. 0 is clear air.")
+SETTING_K_FLOAT(fogAlbedo, effects, film, 0.9f, 0.0f, 1.0f, "", "Fog brightness", "fog", "", "Share of the light that the fog scatters; the rest it swallows. 0 is smoke, 1 is mist.")
+SETTING_K_INT(fogSamples, effects, film, 1, 1, 64, "rays", "Fog samples", "fog", "up", "Rays per light and stretch of a path. More rays, less grain in shafts of light.")
+SETTING_BOOL(environment, effects, film, true, "Environment image", "environment", "on", "Show and reflect the environment image; off uses its mean colour.")
+SETTING_K_FLOAT(contributionThreshold, renderer, film, 0.004f, 0.0f, 0.5f, "", "Contribution threshold", "", "down", "Rays that can change a pixel by less than this are not followed. 0 follows all.")
+SETTING_FLOAT(exposure, picture, display, 0.0f, -10.0f, 10.0f, "EV", "Exposure", "", "", "Brightness of the picture in stops; +1 doubles it.")
+SETTING_CHOICE(toneCurve, picture, display, 0, "filmic|linear", "Tone curve", "", "", "filmic rolls highlights off softly; linear clips at white.")
+SETTING_BOOL(cameraPath, picture, command, false, "Camera path", "", "", "Fly along the scene's camera path.")
+SETTING_FLOAT(fieldOfView, picture, command, 60.0f, 1.0f, 179.0f, "deg", "Field of view", "", "", "Vertical opening angle of the camera.")
+SETTING_CHOICE(rasterView, renderer, film, 0, "shaded|normals|depth|material|primitive", "Raster view", "", "", "What the raster preview shows: the lit surface without shadows, or normals, depth, materials and triangles for looking into meshes.")
+SETTING_INT(embreeThreads, renderer, film, 0, 0, 256, "threads", "Embree threads", "", "", "Threads that trace on the CPU; 0 uses every core.")
+SETTING_BOOL(tiles, renderer, film, true, "Tiles", "", "", "Render in tiles; off renders rows of the full width, 8 pixels high.")
+SETTING_CHOICE(tileWidth, renderer, film, 2, "8|16|32|64|128|256", "Tile width", "", "", "Width of a CPU tile, in pixels.")
+SETTING_CHOICE(tileHeight, renderer, film, 2, "8|16|32|64|128|256", "Tile height", "", "", "Height of a CPU tile, in pixels.")
+SETTING_BOOL(primaryPackets, renderer, film, true, "Primary packets", "", "", "Trace camera and shadow rays in packets instead of one by one.")
+SETTING_BOOL(secondaryPackets, renderer, film, true, "Secondary packets", "", "", "Trace ambient occlusion, reflection and refraction rays in packets.")
+SETTING_CHOICE(bvhQuality, renderer, film, 1, "low|medium|high", "BVH quality", "", "", "Quality of the acceleration structure: higher builds slower and may trace faster.")
+SETTING_BOOL(robust, renderer, film, false, "Robust traversal", "", "on", "Watertight traversal: no ray slips through an edge. Costs 5 to 19 percent.")
+SETTING_INT(jpegQuality, picture, display, 80, 10, 100, "", "JPEG quality", "", "up", "Quality of the streamed picture while it changes.")
+#undef SETTING
+#undef SETTING_BOOL
+#undef SETTING_INT
+#undef SETTING_FLOAT
+#undef SETTING_CHOICE
+#undef SETTING_K_INT
+#undef SETTING_K_FLOAT

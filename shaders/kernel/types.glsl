@@ -210,19 +210,9 @@ struct FrameConstants {
     vec3 fogCenter;
     float pad0;
     KernelCamera cameraBefore;  // a frame ago; the same as `camera` where nothing moves
-#define SETTING_BOOL(name, def, label, effect, price, help)
-#define SETTING_INT(name, def, low, high, unit, label, effect, price, help)
-#define SETTING_FLOAT(name, def, low, high, unit, label, effect, price, help)
-#define SETTING_CHOICE(name, def, choices, label, effect, price, help)
-#define SETTING_K_INT(name, def, low, high, unit, label, effect, price, help) uint name;
-#define SETTING_K_FLOAT(name, def, low, high, unit, label, effect, price, help) float name;
+#define SETTING_K_INT(name, group, acts, def, low, high, unit, label, effect, price, help) uint name;
+#define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) float name;
 #include "settings_table.glsl"
-#undef SETTING_BOOL
-#undef SETTING_INT
-#undef SETTING_FLOAT
-#undef SETTING_CHOICE
-#undef SETTING_K_INT
-#undef SETTING_K_FLOAT
 };
 
 #endif

@@ -5,7 +5,7 @@ import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 const kernel = join(dirname(fileURLToPath(import.meta.url)), '../../shaders/kernel');
-const common = { effect: '', price: '', unit: '' };
+const common = { group: 'hybrid', acts: 'film', effect: '', price: '', unit: '' };
 
 /** Rows of the protocol that the table may not have yet; a row of the table with the same name wins. */
 const MORE_ROWS = [
@@ -23,21 +23,26 @@ const words = (list) => [...list.matchAll(/"((?:[^"\\]|\\.)*)"|([^,\s"]+)/g)].ma
 function settingRow(kind, list) {
   const parts = words(list);
   const number = (word) => Number(word.replace(/f$/, ''));
-  const [name, preset] = parts;
+  const [name, group, acts, preset] = parts;
   const [label, effect, price, help] = parts.slice(-4);
-  const row = { name, label, effect, price, help, unit: '' };
+  const row = { name, group, acts, label, effect, price, help, unit: '' };
   if (kind === 'BOOL') return { ...row, type: 'bool', default: preset === 'true' };
   if (kind === 'CHOICE') {
-    const choices = parts[2].split('|');
+    const choices = parts[4].split('|');
     return { ...row, type: 'choice', default: choices[Number(preset)], choices };
   }
-  const range = { low: number(parts[2]), high: number(parts[3]), unit: parts[4] };
+  const range = { low: number(parts[4]), high: number(parts[5]), unit: parts[6] };
   return { ...row, type: kind.toLowerCase(), default: number(preset), ...range };
 }
 
 /** The rows of the real table, without those in `omit`. */
 export function schema(omit) {
-  const text = readFileSync(join(kernel, 'settings_table.glsl'), 'utf8');
+  const devices = readFileSync(join(kernel, '../../server/request/device_table.inc'), 'utf8');
+  const deviceWords = [...devices.matchAll(/^DEVICE\(.*?"(.*?)"/gm)].map((m) => m[1]);
+  const text = readFileSync(join(kernel, 'settings_table.glsl'), 'utf8').replace(
+    ' DEVICE_WORDS,',
+    ` "${['auto', ...deviceWords, 'hybrid'].join('|')}",`,
+  );
   const rows = [...text.matchAll(/^SETTING_(?:K_)?(BOOL|INT|FLOAT|CHOICE)\((.*)\)$/gm)].map((m) =>
     settingRow(m[1], m[2]),
   );
@@ -63,10 +68,10 @@ const NOT_CALLED_FOR = {
 export function effects() {
   const text = readFileSync(join(kernel, 'effect_table.glsl'), 'utf8');
   const table = [...text.matchAll(/^EFFECT\((.*)\)$/gm)].map((m) => {
-    const list = words(m[1].replaceAll('""', '" "')).map((word) => word.trim());
-    const [, , name, setting, help] = list;
+    const [, , name, setting, , , , help] = words(m[1]);
     const because = NOT_CALLED_FOR[name] ?? '3 materials (brass, marble, ...), 1,204 triangles';
-    return { name, calledFor: !(name in NOT_CALLED_FOR), because, help, setting, simulated: true };
+    const given = setting === 'none' ? '' : setting;
+    return { name, calledFor: !(name in NOT_CALLED_FOR), because, help, setting: given, simulated: true };
   });
   const atRest = { because: '2 animations (walk, run); shown at rest', help: 'Objects that move in time.' };
   return [...table, { name: 'animation', calledFor: true, simulated: false, ...atRest }];

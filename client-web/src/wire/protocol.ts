@@ -13,6 +13,8 @@ export type SettingValues = Readonly<Record<string, SettingValue>>;
 
 export interface SettingRow {
   readonly name: string;
+  readonly group: string; // picture, effects, renderer or hybrid
+  readonly acts: string; // film, display, loop or command: a viewer does not send the last ones
   readonly type: 'bool' | 'int' | 'float' | 'choice';
   readonly default: SettingValue;
   readonly low: number;
@@ -199,6 +201,8 @@ function settingRowOf(value: unknown): SettingRow {
   const word = type === 'choice' && typeof preset === 'number' ? choices[preset] : preset;
   return {
     name: textOf(fields['name']),
+    group: textOf(fields['group']),
+    acts: textOf(fields['acts']),
     type,
     default: typeof word === 'boolean' || typeof word === 'number' || typeof word === 'string' ? word : 0,
     low: numberOf(fields['low']),

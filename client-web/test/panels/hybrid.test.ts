@@ -7,7 +7,7 @@ import { parseMessage, type Stats } from '../../src/wire/protocol.js';
 
 test('withoutUse: hybrid settings count with device hybrid, the share only when the balance is manual', () => {
   const reason = (name: string, device: string, hybridBalance: string): string | null =>
-    withoutUse(name, (asked) => ({ device, hybridBalance })[asked]);
+    withoutUse({ name, group: name === 'samples' ? 'picture' : 'hybrid' }, (asked) => ({ device, hybridBalance })[asked]);
   for (const name of ['hybridBalance', 'hybridShare', 'enableEmbree', 'enableVulkan']) {
     assert.equal(reason(name, 'embree', 'manual'), 'Only with device hybrid.');
   }

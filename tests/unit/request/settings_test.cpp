@@ -138,12 +138,52 @@ TEST(Settings, SchemaDescribesEveryFieldOnce) {
     }
 }
 
+TEST(Settings, AWordOfAChoiceIsItsIndex) {
+    static_assert(Settings::choice("toneCurve", "linear") == 1);
+    Settings settings;
+    settings.set("device", "hybrid");
+    EXPECT_EQ(settings.device, Settings::choice("device", "hybrid"));
+    settings.set("rasterView", "primitive");
+    EXPECT_EQ(settings.rasterView, Settings::choice("rasterView", "primitive"));
+}
+
+TEST(Settings, RowsActOnOneThingEach) {
+    Settings changed;
+    for (const json& row : settingsSchema()) {
+        if (row["type"] == "bool") changed.set(row["name"].get<std::string>(), !row["default"].get<bool>());
+        else if (row["type"] == "choice") changed.set(row["name"].get<std::string>(), row["choices"].back());
+        else changed.set(row["name"].get<std::string>(), row["high"] != row["default"] ? row["high"] : row["low"]);
+    }
+    const std::pair<Acts, const char*> kinds[] = {
+        {Acts::film, "film"}, {Acts::display, "display"}, {Acts::loop, "loop"}, {Acts::command, "command"}};
+    for (const auto& [acts, word] : kinds) {
+        const json kept = onlyActing(changed, acts).toJson(), before = Settings{}.toJson(), after = changed.toJson();
+        for (const json& row : settingsSchema()) {
+            const std::string name = row["name"];
+            EXPECT_EQ(actsOf(name) == acts, row["acts"] == word) << name;
+            EXPECT_EQ(kept[name], row["acts"] == word ? after[name] : before[name]) << name;
+        }
+    }
+    EXPECT_THROW(actsOf("nonsense"), InputError);
+}
+
+TEST(Settings, EveryRowStandsInAGroupOfTheForm) {
+    for (const json& row : settingsSchema()) {
+        EXPECT_THAT(row["group"].get<std::string>(), testing::AnyOf("picture", "effects", "renderer", "hybrid")) << row["name"];
+        EXPECT_EQ(row["group"] == "effects", !row["effect"].get<std::string>().empty()) << row["name"];
+    }
+}
+
 TEST(Settings, TileSizeIsInBlocksOfEight) {
     Settings settings;
     EXPECT_EQ(tileSize(settings), uvec2(32, 32));
     settings.set("tileWidth", 256);
     settings.set("tileHeight", 8);
     EXPECT_EQ(tileSize(settings), uvec2(256, 8));
+    for (const char* word : {"8", "16", "32", "64", "128", "256"}) {
+        settings.set("tileHeight", word);
+        EXPECT_EQ(tileSize(settings).y, std::stoul(word));
+    }
     settings.tiles = false;
     EXPECT_GE(tileSize(settings).x, 33177600u / 16u / 64u);
     EXPECT_EQ(tileSize(settings).y, 8u);

@@ -8,9 +8,6 @@ interface Pending {
   readonly inputId: number;
 }
 
-/** Settings that a viewer does not send: the camera and the path have messages of their own. */
-export const SESSION_OWNED: readonly string[] = ['fieldOfView', 'cameraPath'];
-
 /** Equal as the server stores them: numbers as 32-bit floats. */
 const sameValue = (a: SettingValue | undefined, b: SettingValue): boolean =>
   typeof a === 'number' && typeof b === 'number' ? Math.fround(a) === Math.fround(b) : a === b;
@@ -24,7 +21,7 @@ export class SettingsModel {
   private readonly wanted_ = new Map<string, SettingValue>();
 
   setSchema(rows: readonly SettingRow[]): void {
-    this.rows_ = rows.filter((row) => !SESSION_OWNED.includes(row.name));
+    this.rows_ = rows.filter((row) => row.acts !== 'command');
     this.confirmed_ = {};
     this.pending_.clear();
     this.errors_.clear();

@@ -3,7 +3,7 @@
 
 import { FIELD_OF_VIEW_HIGH, FIELD_OF_VIEW_LOW } from '../../camera/camera.js';
 import { el, icon } from '../../page/dom.js';
-import { HYBRID_ROWS, withoutUse } from './hybrid_rows.js';
+import { withoutUse } from './hybrid_rows.js';
 import type { Panel } from '../panel.js';
 import type { SettingRow } from '../../wire/protocol.js';
 import { RESOLUTION_MODES, type ResolutionMode } from '../../picture/resolution.js';
@@ -12,14 +12,21 @@ import { recall, remember } from '../../page/storage.js';
 import type { Viewer } from '../../viewer.js';
 import './settings_panel.css';
 
-/** Rows without an effect that are about the picture; the others without one are about the renderer. */
-const PICTURE_ROWS: readonly string[] = ['renderScale', 'samples', 'exposure', 'toneCurve', 'jpegQuality'];
+/** Titles of the groups of rows that the server names, in their order. */
+const TITLES: Readonly<Record<string, string>> = {
+  picture: 'Picture',
+  effects: 'Effects',
+  renderer: 'Renderer',
+  hybrid: 'Hybrid',
+};
 
 /** Folded until the viewer opens them. */
 const FOLDED_GROUPS: readonly string[] = ['renderer', 'hybrid'];
 
 const FIELD_OF_VIEW_ROW: SettingRow = {
   name: 'fieldOfView',
+  group: 'picture',
+  acts: 'command',
   type: 'float',
   default: 60,
   low: FIELD_OF_VIEW_LOW,
@@ -55,21 +62,20 @@ export class SettingsPanel {
     const rows = this.viewer_.settings.rows;
     this.fields_.clear();
     this.fieldOfViewRow_ = { ...FIELD_OF_VIEW_ROW, ...schema.find((row) => row.name === FIELD_OF_VIEW_ROW.name) };
-    const group = (filter: (row: SettingRow) => boolean): HTMLElement[] =>
-      rows.filter(filter).map((row) => this.field(row).element);
-    const picture = [this.cameraField(), this.resolutionField(), ...group((row) => PICTURE_ROWS.includes(row.name))];
-    const isEffect = (row: SettingRow): boolean => row.effect !== '';
-    const isHybrid = (row: SettingRow): boolean => HYBRID_ROWS.includes(row.name);
-    const hybrid = group(isHybrid);
+    const own: Readonly<Record<string, () => readonly HTMLElement[]>> = {
+      picture: () => [this.cameraField(), this.resolutionField()],
+    };
+    const groups = [...new Set([...Object.keys(TITLES), ...rows.map((row) => row.group)])].map((name) => ({
+      name,
+      fields: [
+        ...(own[name]?.() ?? []),
+        ...rows.filter((row) => row.group === name).map((row) => this.field(row).element),
+      ],
+    }));
     this.panel_.body.replaceChildren(
-      this.group('picture', 'Picture', picture),
-      this.group('effects', 'Effects', group(isEffect)),
-      this.group(
-        'renderer',
-        'Renderer',
-        group((row) => !isEffect(row) && !isHybrid(row) && !PICTURE_ROWS.includes(row.name)),
-      ),
-      ...(hybrid.length > 0 ? [this.group('hybrid', 'Hybrid', hybrid)] : []),
+      ...groups
+        .filter(({ fields }) => fields.length > 0)
+        .map(({ name, fields }) => this.group(name, TITLES[name] ?? name, fields)),
       this.resetButton(),
     );
     this.refresh();
@@ -153,12 +159,12 @@ export class SettingsPanel {
       field.setError(model.error(row.name));
       const switchedOff = row.effect !== '' && row.type !== 'bool' && model.value(row.effect) === false;
       field.element.classList.toggle('idle', switchedOff);
-      if (HYBRID_ROWS.includes(row.name)) this.refreshHybrid(row, field);
+      if (row.group === 'hybrid') this.refreshHybrid(row, field);
     }
   }
 
   private refreshHybrid(row: SettingRow, field: SettingField): void {
-    const reason = withoutUse(row.name, (name) => this.viewer_.settings.value(name));
+    const reason = withoutUse(row, (name) => this.viewer_.settings.value(name));
     field.setNote(reason);
     field.element.classList.toggle('idle', reason !== null);
     if (row.name === 'hybridShare') field.setDisabled(reason !== null);

@@ -1,0 +1,45 @@
+#include "server/request/device_rows.h"
+
+#include <algorithm>
+
+namespace heliograph {
+
+namespace {
+
+/// What a row may name as a switch: one of the settings, or `none`.
+struct Named : Settings {
+    bool none;
+};
+constexpr bool Settings::*switchOf(bool Settings::*setting) { return setting; }
+constexpr bool Settings::*switchOf(bool Named::*) { return nullptr; }
+
+constexpr std::string_view nameOr(std::string_view word) { return word == "none" ? "" : word; }
+
+constexpr DeviceRow ROWS[] = {
+#define DEVICE(name, bit, kind, side, words, onSwitch, standIn, make) \
+    {#name, bit, DeviceKind::kind, #kind, DeviceSide::side, switchOf(&Named::onSwitch), nameOr(#standIn)},
+#include "server/request/device_table.inc"
+};
+
+constexpr uint32_t ELSEWHERE = 3;  // bit of what the table does not have
+
+}  // namespace
+
+std::span<const DeviceRow> deviceRows() { return ROWS; }
+
+const DeviceRow* deviceRow(std::string_view device) {
+    const auto found = std::ranges::find(ROWS, device.substr(0, device.find(':')), &DeviceRow::name);
+    return found == std::end(ROWS) ? nullptr : &*found;
+}
+
+uint32_t deviceBit(std::string_view device) {
+    const DeviceRow* row = deviceRow(device);
+    return 1u << (row ? row->bit : ELSEWHERE);
+}
+
+bool switchedOff(std::string_view device, const Settings& settings) {
+    const DeviceRow* row = deviceRow(device);
+    return row && row->takesPart && !(settings.*row->takesPart);
+}
+
+}  // namespace heliograph

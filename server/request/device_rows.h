@@ -1,0 +1,32 @@
+#pragma once
+// The kinds of devices as rows of device_table.inc: what is known of a device by its name alone.
+
+#include "server/request/settings.h"
+
+#include <span>
+
+namespace heliograph {
+
+enum class DeviceKind { processor, gpu, preview, node };
+enum class DeviceSide { cpu, gpu };
+
+struct DeviceRow {
+    std::string_view name;
+    uint32_t bit = 0;  // position in a frame header's `devices`
+    DeviceKind kind = DeviceKind::processor;
+    std::string_view kindWord;
+    DeviceSide side = DeviceSide::cpu;
+    bool Settings::*takesPart = nullptr;  // in hybrid; null: it never does
+    std::string_view standIn;             // row that renders while this one can't; "": none
+};
+
+/// All rows, in the table's order.
+std::span<const DeviceRow> deviceRows();
+/// Row of the device of that name, "embree" or "vulkan:0"; null where the table has none.
+const DeviceRow* deviceRow(std::string_view device);
+/// Bit of the device in a frame's header. What the table doesn't have counts as a node of elsewhere, bit 3.
+uint32_t deviceBit(std::string_view device);
+/// Whether the settings take the device out of hybrid.
+bool switchedOff(std::string_view device, const Settings& settings);
+
+}  // namespace heliograph
