@@ -18,18 +18,27 @@ Turns::Turn::~Turn() {
 
 std::optional<Turns::Turn> Turns::take(Account& account, std::stop_token stop) {
     std::unique_lock lock(mutex_);
-    waiting_.push_back({&account, std::max(now_, account.finish_)});
-    bool mine = changed_.wait(lock, stop, [&] { return !taken_ && next()->account == &account; });
-    auto self = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiter& w) { return w.account == &account; });
+    std::condition_variable_any called;
+    waiting_.push_back({&account, std::max(now_, account.finish_), &called});
+    const bool mine = called.wait(lock, stop, [&] {
+        wakeUps_++;
+        return !taken_ && next()->account == &account;
+    });
+    const auto self = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiter& w) { return w.account == &account; });
     if (mine) {
         now_ = self->start;
         taken_ = true;
     }
     waiting_.erase(self);
+    if (mine) return Turn(*this, account);
     // One who leaves may have been the next in line.
-    if (!mine) changed_.notify_all();
-    if (!mine) return std::nullopt;
-    return Turn(*this, account);
+    callNext();
+    return std::nullopt;
+}
+
+/// With the lock held: the one who is next is woken, and nobody else.
+void Turns::callNext() {
+    if (!taken_ && !waiting_.empty()) next()->called->notify_one();
 }
 
 const Turns::Waiter* Turns::next() const {
@@ -38,16 +47,14 @@ const Turns::Waiter* Turns::next() const {
 }
 
 void Turns::release(Account& account, double seconds) {
-    {
-        std::lock_guard lock(mutex_);
-        account.used_ += seconds;
-        account.finish_ = now_ + seconds;
-        all_ += seconds;
-        if (latest_.account != &account) before_ = latest_;
-        latest_ = {&account, clock_()};
-        taken_ = false;
-    }
-    changed_.notify_all();
+    std::lock_guard lock(mutex_);
+    account.used_ += seconds;
+    account.finish_ = now_ + seconds;
+    all_ += seconds;
+    if (latest_.account != &account) before_ = latest_;
+    latest_ = {&account, clock_()};
+    taken_ = false;
+    callNext();
 }
 
 bool Turns::shared(const Account& account) const {
@@ -61,6 +68,11 @@ bool Turns::shared(const Account& account) const {
 size_t Turns::waiting() const {
     std::lock_guard lock(mutex_);
     return waiting_.size();
+}
+
+uint64_t Turns::wakeUps() const {
+    std::lock_guard lock(mutex_);
+    return wakeUps_;
 }
 
 Turns::Used Turns::used(const Account& account) const {

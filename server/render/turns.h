@@ -48,27 +48,30 @@ public:
     std::optional<Turn> take(Account& account, std::stop_token stop);
     /// How many wait.
     size_t waiting() const;
+    /// How often a waiting thread looked whether it is next: once when it comes, once when it is called.
+    uint64_t wakeUps() const;
     bool contended() const { return waiting() > 0; }
-    /// Whether others wait or have had a turn in the last half second. Who comes back after every frame must not find the
-    /// device taken for long each time: turns should be short then.
+    /// Whether others wait or have had a turn in the last half second: slices stay short then, so that a viewer who returns
+    /// with every frame waits for one slice at most.
     bool shared(const Account& account) const;
     /// Seconds used by the account and by everybody.
     struct Used { double own = 0.0; double all = 0.0; };
     Used used(const Account& account) const;
 
 private:
-    struct Waiter { Account* account; double start; };
+    struct Waiter { Account* account; double start; std::condition_variable_any* called; };
     struct Past { const Account* account = nullptr; double end = 0.0; };  // end of its last turn; seconds
 
     void release(Account& account, double seconds);
+    void callNext();
     const Waiter* next() const;
 
     const std::function<double()> clock_;
     mutable std::mutex mutex_;
-    std::condition_variable_any changed_;
     std::vector<Waiter> waiting_;  // in order of arrival
     Past latest_, before_;         // of two accounts; only compared, never followed
     bool taken_ = false;
+    uint64_t wakeUps_ = 0;
     double now_ = 0.0;   // virtual time: the start of the turn in progress
     double all_ = 0.0;   // seconds
 };

@@ -4,6 +4,7 @@
 #include "server/render/frame_renderer.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/team_device.h"
+#include "tests/support/until.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -277,7 +278,7 @@ TEST_F(Hybrid, TheProcessorServesWhileADeviceCompilesForAnotherRequest) {
 TEST_F(Hybrid, TheSpareOfATracedDeviceIsGivenTheSceneInTheBackground) {
     settings.set("device", "vulkan:0");
     make(false);
-    while (cpu.loads == 0) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return cpu.loads > 0; }));
     EXPECT_EQ(cpu.calls, 0u);
     settings.set("device", "embree");
     make(false);
@@ -296,10 +297,10 @@ TEST_F(Hybrid, ACommandLoadsNoSpare) {
 TEST_F(Hybrid, ALukewarmDeviceServesWhileItCompiles) {
     settings.set("device", "vulkan:0");
     make(false);
-    while (gpu.standBys == 0) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return gpu.standBys > 0; }));
     gpu.standsBy = gpu.cold = true;
     EXPECT_EQ(render().tiles.count("embree"), 0u);
-    while (gpu.warmUps == 0) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return gpu.warmUps > 0; }));
     EXPECT_EQ(render().tiles.count("embree"), 0u);
     EXPECT_EQ(gpu.warmUps, 1u);
 }
@@ -308,11 +309,17 @@ TEST_F(Hybrid, ALukewarmDeviceTakesPartWhileItCompiles) {
     make(true);
     device.reset();
     make(false);
-    while (gpu.standBys == 0) render();
+    ASSERT_TRUE(test::until([&] {
+        render();
+        return gpu.standBys > 0;
+    }));
     gpu.standsBy = gpu.cold = true;
     const uint32_t calls = gpu.calls;
-    while (gpu.calls == calls) render();
-    while (gpu.warmUps == 0) std::this_thread::yield();
+    ASSERT_TRUE(test::until([&] {
+        render();
+        return gpu.calls > calls;
+    }));
+    EXPECT_TRUE(test::until([&] { return gpu.warmUps > 0; }));
 }
 
 TEST_F(Hybrid, ATracedDeviceAloneHasTheProcessorBehindIt) {

@@ -1,4 +1,5 @@
 #include "server/render/turns.h"
+#include "tests/support/until.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@ namespace {
 
 /// Waits until somebody waits for a turn.
 void untilContended(const Turns& turns) {
-    while (!turns.contended()) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return turns.contended(); }));
 }
 
 TEST(Turns, OneAtATime) {
@@ -57,6 +58,23 @@ TEST(Turns, AStoppedUserGetsNoTurn) {
     EXPECT_TRUE(turns.take(account, {}).has_value());
 }
 
+TEST(Turns, AnEndedTurnWakesTheNextAloneAndNotEverybody) {
+    constexpr size_t USERS = 40;
+    Turns turns;
+    Turns::Account holder;
+    std::optional<Turns::Turn> held;
+    held.emplace(std::move(*turns.take(holder, {})));
+    std::vector<Turns::Account> accounts(USERS);
+    std::vector<std::jthread> users;
+    for (Turns::Account& account : accounts) users.emplace_back([&] { auto turn = turns.take(account, {}); });
+    EXPECT_TRUE(test::until([&] { return turns.waiting() == USERS; }));
+    held.reset();
+    users.clear();
+    // Each looks when it comes and when it is called (a spurious wake-up may come on top); in a crowd that wakes as a whole
+    // it would be USERS * USERS / 2.
+    EXPECT_LT(turns.wakeUps(), 1 + 4 * USERS);
+}
+
 /// A clock that stands until it is moved.
 struct Clock {
     std::atomic<double> seconds{0.0};
@@ -80,9 +98,9 @@ std::string orderOf(Turns& turns, Turns::Account& first, Turns::Account& second)
         order += name;
     };
     std::jthread one([&] { user(first, '1'); });
-    while (turns.waiting() < 1) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return turns.waiting() >= 1; }));
     std::jthread two([&] { user(second, '2'); });
-    while (turns.waiting() < 2) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return turns.waiting() >= 2; }));
     held.reset();
     one.join();
     two.join();

@@ -1,6 +1,7 @@
 #include "server/stream/effect_meter.h"
 
 #include "tests/support/test_scenes.h"
+#include "tests/support/until.h"
 
 #include <gtest/gtest.h>
 
@@ -105,7 +106,7 @@ TEST(EffectMeter, ANewerOrderReplacesTheOneUnderWay) {
     device->blocks = &go;
     EffectMeter meter(turns, [&](EffectMeter::News&& news) { heard.hear(std::move(news)); });
     meter.measure(orderFor(device, 1));
-    while (device->frames == 0) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return device->frames > 0; }));
     meter.measure(orderFor(device, 2));
     go = true;
     go.notify_all();
@@ -122,7 +123,7 @@ TEST(EffectMeter, WhatIsDroppedIsNotHeardOf) {
     {
         EffectMeter meter(turns, [&](EffectMeter::News&& news) { heard.hear(std::move(news)); });
         meter.measure(orderFor(device));
-        while (device->frames == 0) std::this_thread::yield();
+        EXPECT_TRUE(test::until([&] { return device->frames > 0; }));
         meter.drop();
         go = true;
         go.notify_all();
