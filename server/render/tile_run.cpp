@@ -5,7 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
+#include <exception>
+#include <system_error>
 
 namespace heliograph {
 
@@ -14,7 +15,8 @@ namespace {
 constexpr uint32_t NO_TILE = UINT32_MAX;
 /// Devices that were asked to stop are waited for this long (seconds); batches last less.
 constexpr double STOP_PATIENCE = 0.5;
-constexpr double LONGEST_SLEEP = 0.01;
+/// What is due later than this (seconds) is due never: nobody owes anything.
+constexpr double LONGEST_SLEEP = 1e6;
 
 uint64_t samplesOf(const Tile& tile) { return std::max<uint64_t>(tile.sampleCount, 1); }
 
@@ -65,7 +67,7 @@ void TileRun::render(WorkerCrew& crew, std::stop_token stop, bool giveUp) {
     std::unique_lock lock(mutex_);
     crew_ = &crew;
     if (!balance_.done() && !stop.stop_requested()) startIdle();
-    while (wait(lock, giveUp)) {
+    for (serveUnserved(lock); wait(lock, giveUp); serveUnserved(lock)) {
         const double now = wallSeconds();
         if (balance_.nextOverdue() > now) continue;
         for (const auto& batch : inWork_) {
@@ -78,22 +80,37 @@ void TileRun::render(WorkerCrew& crew, std::stop_token stop, bool giveUp) {
         }
     }
     close(lock);
+    if (sinkError_) std::rethrow_exception(sinkError_);
+}
+
+/// Batches for which the system had no thread are rendered here, one after the other.
+void TileRun::serveUnserved(std::unique_lock<std::mutex>& lock) {
+    while (!unserved_.empty() && !stop_.stop_requested()) {
+        const auto [worker, batch] = unserved_.back();
+        unserved_.pop_back();
+        lock.unlock();
+        serve(worker, batch, false);
+        lock.lock();
+    }
 }
 
 /// Sleeps until something may have to be done. False when the run is over.
 bool TileRun::wait(std::unique_lock<std::mutex>& lock, bool giveUp) {
     auto over = [&] {
-        if (balance_.done() || balance_.hopeless() || stop_.stop_requested()) return true;
+        if (balance_.done() || balance_.hopeless() || stop_.stop_requested() || sinkError_) return true;
         if (!giveUp) return false;
         for (uint32_t w = 0; w < balance_.workerCount(); w++) {
             if (balance_.isActive(w) && !balance_.isSuspect(w)) return false;
         }
         return true;
     };
-    if (over()) return false;
-    // Batches that begin meanwhile may be due sooner.
-    const double due = std::min(balance_.nextOverdue() - wallSeconds(), LONGEST_SLEEP);
-    if (due > 0.0) changed_.wait_for(lock, std::chrono::duration<double>(due));
+    if (over() || !unserved_.empty()) return !over();
+    // A batch that begins meanwhile and is due sooner wakes this thread (nextBatch).
+    wakeAt_ = balance_.nextOverdue();
+    const double due = wakeAt_ - wallSeconds();
+    if (due > LONGEST_SLEEP) changed_.wait(lock);
+    else if (due > 0.0) changed_.wait_for(lock, std::chrono::duration<double>(due));
+    wakeAt_ = 0.0;
     return !over();
 }
 
@@ -102,6 +119,11 @@ void TileRun::close(std::unique_lock<std::mutex>& lock) {
     over_ = true;
     stop_.request_stop();
     changed_.notify_all();
+    for (const auto& [worker, batch] : unserved_) {
+        inWork_[worker].reset();
+        serving_[worker] = false;
+    }
+    unserved_.clear();
     report_.end = wallSeconds();
     auto awaited = [&] {
         for (uint32_t w = 0; w < serving_.size(); w++) {
@@ -111,9 +133,12 @@ void TileRun::close(std::unique_lock<std::mutex>& lock) {
     };
     changed_.wait_for(lock, std::chrono::duration<double>(STOP_PATIENCE), [&] { return !awaited(); });
     for (size_t i = 0; i < work_.tiles.size(); i++) {
+        // A sink that throws opens its cell again, so closing is tried until the cell is closed or done.
         Cell state = Cell::open;
-        cells_[i].compare_exchange_strong(state, Cell::closed);
-        while (cells_[i].load() == Cell::claimed) std::this_thread::yield();
+        while (!cells_[i].compare_exchange_strong(state, Cell::closed) && state == Cell::claimed) {
+            cells_[i].wait(Cell::claimed);
+            state = Cell::open;
+        }
         if (cells_[i].load() != Cell::done) continue;
         const Made& made = made_[i];
         report_.devices[made.device].tiles++;
@@ -132,7 +157,13 @@ void TileRun::startIdle() {
         std::optional<FrameBalance::Batch> batch = nextBatch(worker);
         if (!batch && report_.batches > 0 && !balance_.waiting()) return;
         serving_[worker] = true;
-        crew_->run([self = shared_from_this(), worker, batch] { self->serve(worker, batch); });
+        try {
+            crew_->run([self = shared_from_this(), worker, batch] { self->serve(worker, batch, true); });
+        } catch (const std::system_error&) {
+            // No thread to be had (a limit of the machine or container): the frame's own thread does it.
+            unserved_.emplace_back(worker, batch);
+            changed_.notify_all();
+        }
     };
     for (uint32_t worker : balance_.askOrder()) start(worker);
     for (uint32_t worker = 0; worker < balance_.workerCount(); worker++) start(worker);  // parked ones that were called
@@ -144,6 +175,7 @@ std::optional<FrameBalance::Batch> TileRun::nextBatch(uint32_t worker) {
     std::optional<FrameBalance::Batch> batch = balance_.next(worker, before);
     report_.decisionSeconds += wallSeconds() - before;
     if (!batch) return {};
+    if (balance_.nextOverdue() < wakeAt_) changed_.notify_all();
     while (hands_.size() <= batch->id) hands_.emplace_back();
     Hand& hand = hands_[batch->id];
     hand.begin = before;
@@ -165,11 +197,12 @@ std::optional<FrameBalance::Batch> TileRun::nextBatch(uint32_t worker) {
     return batch;
 }
 
-/// A worker's life in this run.
-void TileRun::serve(uint32_t worker, std::optional<FrameBalance::Batch> batch) {
+/// A worker's life in this run. `stay`: it waits for more work when there is none at the moment.
+void TileRun::serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, bool stay) {
     std::unique_lock lock(mutex_);
     while (!over_) {
         if (!batch) {
+            if (!stay) break;
             changed_.wait(lock, [&] { return over_ || (batch = nextBatch(worker)).has_value(); });
             if (over_) break;
         }
@@ -238,11 +271,17 @@ void TileRun::take(uint32_t device, TileResult&& result) {
     made_[tile] = {static_cast<float>(rays / static_cast<double>(samplesOf(result.tile))), static_cast<float>(result.seconds), device};
     try {
         work_.sink(std::move(result));
+        cells_[tile].store(Cell::done);
     } catch (...) {
+        // Not the device's fault: the frame ends, and its caller hears why.
         cells_[tile].store(Cell::open);
-        throw;
+        cells_[tile].notify_all();
+        std::lock_guard lock(mutex_);
+        if (!sinkError_) sinkError_ = std::current_exception();
+        changed_.notify_all();
+        return;
     }
-    cells_[tile].store(Cell::done);
+    cells_[tile].notify_all();
 }
 
 /// Tells the balance what of a batch has come. With the lock held.
@@ -255,7 +294,7 @@ void TileRun::flush(const FrameBalance::Batch& batch) {
 
 /// A batch came back. With the lock held.
 void TileRun::settle(const FrameBalance::Batch& batch, const Hand& hand, const std::string& failure) {
-    if (over_) return;
+    if (over_ || sinkError_) return;
     const double now = wallSeconds();
     const uint32_t device = balance_.deviceOf(batch.worker);
     const uint32_t tiles = static_cast<uint32_t>(hand.tiles.size());

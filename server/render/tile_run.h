@@ -45,7 +45,7 @@ public:
 
     /// Renders until all tiles are delivered, `stop` was asked for, or nobody is left who could go on. With `giveUp` that
     /// includes devices that owe an overdue batch; without, those are waited for. Afterwards the sink is not called any
-    /// more, and no device works on the frame except those that stall.
+    /// more, and no device works on the frame except those that stall. Throws what the sink threw first; that ends the run.
     void render(WorkerCrew& crew, std::stop_token stop, bool giveUp);
 
     /// Tiles that nobody delivered.
@@ -74,7 +74,8 @@ private:
     };
 
     void startIdle();
-    void serve(uint32_t worker, std::optional<FrameBalance::Batch> batch);
+    void serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, bool stay);
+    void serveUnserved(std::unique_lock<std::mutex>& lock);
     std::optional<FrameBalance::Batch> nextBatch(uint32_t worker);
     std::string renderBatch(const FrameBalance::Batch& batch, Hand& hand);
     void take(uint32_t device, TileResult&& result);
@@ -106,6 +107,10 @@ private:
     ScheduleReport report_;
     std::vector<std::pair<std::string, std::string>> failures_;
     std::vector<std::pair<std::string, BatchRecord>> records_;
+    /// Workers that have a batch, or may ask for one, and no thread.
+    std::vector<std::pair<uint32_t, std::optional<FrameBalance::Batch>>> unserved_;
+    std::exception_ptr sinkError_;  // the first; ends the run
+    double wakeAt_ = 0.0;           // until when `wait` sleeps; 0: it does not
     bool over_ = false;
 };
 

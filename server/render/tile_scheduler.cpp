@@ -3,10 +3,12 @@
 #include "server/base/clock.h"
 #include "server/request/device_rows.h"
 
+#include <future>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numeric>
+#include <system_error>
 
 namespace heliograph {
 
@@ -225,18 +227,30 @@ std::vector<std::shared_ptr<TileRun>> TileScheduler::manual(const Job& job, Sche
         const std::vector<DeviceReport> absent = side == 0 ? absentees(job.candidates) : std::vector<DeviceReport>{};
         runs.push_back(std::make_shared<TileRun>(std::move(work), std::move(participants), absent));
     }
-    std::mutex mutex;
-    std::condition_variable ended;
-    bool over = false;
-    crew_.run([&, run = runs[1]] {
-        run->render(crew_, job.stop, true);
-        std::lock_guard lock(mutex);
-        over = true;
-        ended.notify_all();
-    });
-    runs[0]->render(crew_, job.stop, true);
-    std::unique_lock lock(mutex);
-    ended.wait(lock, [&] { return over; });
+    std::exception_ptr errors[2];
+    auto renderSide = [&](int side) {
+        try {
+            runs[side]->render(crew_, job.stop, true);
+        } catch (...) {
+            errors[side] = std::current_exception();
+        }
+    };
+    std::promise<void> ended;
+    std::future<void> other = ended.get_future();
+    try {
+        crew_.run([&] {
+            renderSide(1);
+            ended.set_value();
+        });
+    } catch (const std::system_error&) {  // no thread to be had: one side after the other
+        renderSide(1);
+        ended.set_value();
+    }
+    renderSide(0);
+    other.wait();
+    for (const std::exception_ptr& error : errors) {
+        if (error) std::rethrow_exception(error);
+    }
     return runs;
 }
 

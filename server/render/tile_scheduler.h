@@ -36,9 +36,12 @@ struct ScheduleResult {
 
 class TileScheduler {
 public:
+    /// `startThread`: see WorkerCrew.
+    explicit TileScheduler(WorkerCrew::StartThread startThread = WorkerCrew::startDetached) : crew_(std::move(startThread)) {}
+
     /// Renders the tiles, one cell each, on the candidates. The request's history, where there is one, tells what cells cost
     /// and takes the report. Devices that fail are left out of the rest. The request's settings choose between automatic and
-    /// manual balance.
+    /// manual balance. Throws what the sink threw; the devices are not blamed for that.
     ScheduleResult render(const FrameRequest& request, std::span<const Tile> tiles, std::vector<Candidate> candidates,
                           ScheduleMemory& memory, const TileSink& sink, std::stop_token stop);
 

@@ -46,7 +46,9 @@ struct WorkerCrew::Shared {
     }
 };
 
-WorkerCrew::WorkerCrew() : shared_(std::make_shared<Shared>()) {}
+void WorkerCrew::startDetached(std::function<void()> body) { std::thread(std::move(body)).detach(); }
+
+WorkerCrew::WorkerCrew(StartThread startThread) : shared_(std::make_shared<Shared>()), startThread_(std::move(startThread)) {}
 
 WorkerCrew::~WorkerCrew() {
     std::unique_lock lock(shared_->mutex);
@@ -59,8 +61,9 @@ WorkerCrew::~WorkerCrew() {
 void WorkerCrew::run(std::function<void()> task) {
     std::unique_lock lock(shared_->mutex);
     if (shared_->idle.empty()) {
+        // The new thread waits for the lock: it is counted before it can end, and only if there is one.
+        startThread_([shared = shared_, task = std::move(task)]() mutable { shared->serve(std::move(task)); });
         shared_->alive++;
-        std::thread([shared = shared_, task = std::move(task)]() mutable { shared->serve(std::move(task)); }).detach();
         return;
     }
     Shared::Member* member = shared_->idle.back();

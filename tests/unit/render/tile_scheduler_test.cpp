@@ -4,6 +4,7 @@
 #include "tests/support/fake_device.h"
 #include "tests/support/random.h"
 #include "tests/support/team_device.h"
+#include "tests/support/until.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -113,6 +114,59 @@ TEST_F(Team, ADeviceThatThrowsCostsItsBatchOnly) {
     EXPECT_TRUE(reportOf("broken").lost);
 }
 
+// The film's memory is gone, say: the frame ends with that, nobody is lost, and the next one goes as if nothing had been.
+TEST_F(Team, ASinkThatThrowsEndsTheFrameAndBlamesNoDevice) {
+    for (const char* name : {"one", "two"}) add(name, 2)->spins = 200;
+    std::atomic<int> left{5};
+    history->costs.begin(SIZE, CELL);
+    FrameRequest request;
+    request.resolution = SIZE;
+    request.generation = 7;
+    request.history = history;
+    film.reset(SIZE, 7);
+    auto sink = [&](TileResult&&) {
+        if (left-- <= 0) throw std::runtime_error("no room");
+    };
+    for (const char* balance : {"auto", "manual"}) {
+        request.settings.set("hybridBalance", balance);
+        left = 5;
+        EXPECT_THROW(scheduler.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, sink, {}), std::runtime_error) << balance;
+        EXPECT_TRUE(test::until([&] { return inside[0]->load() + inside[1]->load() == 0; }));
+    }
+    history->costs.end();
+    const ScheduleResult result = render();
+    EXPECT_TRUE(result.missing.empty());
+    EXPECT_TRUE(result.failures.empty());
+    expectFilm(1);
+}
+
+TEST_F(Team, WithoutThreadsTheFramesOwnThreadRenders) {
+    int allowed = 0;
+    TileScheduler poor([&](std::function<void()> body) {
+        if (allowed-- <= 0) throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+        WorkerCrew::startDetached(std::move(body));
+    });
+    for (const char* name : {"one", "two"}) add(name, 2)->spins = 200;
+    FrameRequest request;
+    request.resolution = SIZE;
+    request.generation = 7;
+    request.history = history;
+    auto sink = [&](TileResult&& result) { EXPECT_TRUE(film.add(result)); };
+    for (const int threads : {0, 1, 3}) {
+        for (const char* balance : {"auto", "manual"}) {
+            allowed = threads;
+            film.reset(SIZE, 7);
+            history->costs.begin(SIZE, CELL);
+            request.settings.set("hybridBalance", balance);
+            const ScheduleResult result = poor.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, sink, {});
+            history->costs.end();
+            EXPECT_TRUE(result.missing.empty()) << threads << " threads, " << balance;
+            EXPECT_TRUE(result.failures.empty());
+            expectFilm(1);
+        }
+    }
+}
+
 TEST_F(Team, WhenAllThrowTheMissingTilesAreNamed) {
     add("one")->throwAfter = 3;
     add("two")->throwAfter = 4;
@@ -128,8 +182,11 @@ TEST_F(Team, ADeviceThatStopsIsNotWaitedFor) {
     EXPECT_TRUE(render(0).missing.empty());  // both are measured
     stalled->hold();
     EXPECT_TRUE(render(1).missing.empty());
-    EXPECT_GT(inside[1]->load() + 1, 0u);
+    // It is still in there, and the frame is not.
+    ASSERT_TRUE(stalled->untilHeld());
+    EXPECT_GT(inside[1]->load(), 0u);
     stalled->release();
+    EXPECT_TRUE(test::until([&] { return inside[1]->load() == 0; }));
     expectFilm(2);
 }
 
@@ -142,7 +199,7 @@ TEST_F(Team, ALateResultOfAnEarlierFrameIsDropped) {
     blocked[1] = "still owes a batch";
     EXPECT_TRUE(render(1).missing.empty());
     stalled->release();
-    while (inside[1]->load() > 0) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return inside[1]->load() == 0; }));
     expectFilm(2);
     EXPECT_EQ(history->report.devices[1].part.reason, "still owes a batch");
 }
@@ -195,7 +252,7 @@ TEST_F(Team, StoppingEndsTheFrameAndSilencesTheDevices) {
     const ScheduleResult result = render(0, stop.get_token());
     EXPECT_EQ(result.missing.size(), TILES);
     slow->release();
-    while (inside[0]->load() > 0) std::this_thread::yield();
+    EXPECT_TRUE(test::until([&] { return inside[0]->load() == 0; }));
     EXPECT_EQ(film.completedSamples(), 0u);
     EXPECT_EQ(render(0).missing.size(), 0u);
     expectFilm(1);
@@ -323,7 +380,7 @@ TEST_F(Team, EveryFrameIsWholeWhateverHappens) {
         }
         for (auto& device : held) device->release();
         expectFilm(4);
-        for (auto& count : inside) while (count->load() > 0) std::this_thread::yield();
+        for (auto& count : inside) EXPECT_TRUE(test::until([&] { return count->load() == 0; }));
     }
 }
 
