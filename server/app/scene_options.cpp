@@ -98,7 +98,7 @@ Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& 
             Camera camera = cameraFrom(candidate);
             if (given.has("fieldOfView")) camera.fieldOfView = given.settings.fieldOfView;
             else given.settings.fieldOfView = camera.fieldOfView;
-            return checkedCamera(camera);
+            return checkedCamera(camera, scene);
         }
         names += (names.empty() ? "" : ", ") + candidate.name;
     }

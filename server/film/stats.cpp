@@ -39,7 +39,8 @@ nlohmann::ordered_json toJson(const RayCounts& rays) {
             {"ambient_occlusion", rays[RayKind::ambientOcclusion]},
             {"reflection", rays[RayKind::reflection]},
             {"refraction", rays[RayKind::refraction]},
-            {"total", rays.total()}};
+            {"total", rays.total()},
+            {"untraceable", rays.untraceable}};
 }
 
 }  // namespace heliograph

@@ -23,13 +23,17 @@ struct Tile {
 
 enum class RayKind : uint32_t { primary, shadow, ambientOcclusion, reflection, refraction, count };
 
-/// Rays traced, by kind. JSON names: primary, shadow, ambient_occlusion, reflection, refraction, total.
+/// Rays asked for, by kind. JSON names: primary, shadow, ambient_occlusion, reflection, refraction, total, untraceable.
 struct RayCounts {
     std::array<uint64_t, static_cast<size_t>(RayKind::count)> by{};
+    uint64_t untraceable = 0;  // of them: not traced, as they leave float in some instance's space; should be 0
     uint64_t& operator[](RayKind kind) { return by[static_cast<size_t>(kind)]; }
     uint64_t operator[](RayKind kind) const { return by[static_cast<size_t>(kind)]; }
     uint64_t total() const { uint64_t sum = 0; for (uint64_t n : by) sum += n; return sum; }
-    void add(const RayCounts& other) { for (size_t i = 0; i < by.size(); i++) by[i] += other.by[i]; }
+    void add(const RayCounts& other) {
+        for (size_t i = 0; i < by.size(); i++) by[i] += other.by[i];
+        untraceable += other.untraceable;
+    }
 };
 
 /// Sums over the tile's samples, row-major over the tile.

@@ -81,6 +81,15 @@ Camera checkedCamera(const Camera& camera) {
     return {camera.position, vec3(axes.forward), vec3(axes.up), camera.fieldOfView};
 }
 
+Camera checkedCamera(const Camera& camera, const Scene& scene) {
+    const Camera checked = checkedCamera(camera);
+    const Bounds range = scene.cameraRange();
+    if (glm::clamp(checked.position, range.low, range.high) != checked.position) {
+        throw InputError("camera position", shown(checked.position), shown(range.low) + " to " + shown(range.high));
+    }
+    return checked;
+}
+
 ViewRay viewRay(const Camera& camera, double aspect, double x, double y) {
     const double half = std::tan(0.5 * static_cast<double>(camera.fieldOfView) * PI / 180.0);
     const dvec3 forward(camera.forward), up(camera.up), right = glm::cross(forward, up);

@@ -18,6 +18,8 @@ Camera cameraFrom(const NamedCamera& named);
 /// Throws InputError for non-finite values, a zero direction, up parallel to forward, or a field of view outside [0.01, 179].
 /// Returns the camera with forward and up made orthonormal.
 Camera checkedCamera(const Camera& camera);
+/// The same for a camera in the scene: throws InputError also for a position outside of scene.cameraRange().
+Camera checkedCamera(const Camera& camera, const Scene& scene);
 /// Computed in double, stored in float (hard case 32).
 KernelCamera kernelCamera(const Camera& camera, uvec2 resolution);
 /// A ray of the view, world space.

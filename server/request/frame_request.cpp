@@ -14,6 +14,7 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.cameraBefore = kernelCamera(request.previousCamera.value_or(request.camera), request.resolution);
     constants.fogRadius = scene.bounds.radius();
     constants.fogCenter = scene.bounds.empty() ? vec3(0.0f) : scene.bounds.center();
+    constants.rayReach = scene.rayReach();
     constants.fogSigma = request.settings.fogDensity / std::max(constants.fogRadius, 1e-20f);
     // One sequence for every request: pictures of the same view are equal, and so are films of two servers.
     constants.seed = 1;

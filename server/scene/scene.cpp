@@ -1,6 +1,25 @@
 #include "server/scene/scene.h"
 
+#include <algorithm>
+
 namespace heliograph {
+
+Bounds Scene::cameraRange() const {
+    constexpr float RADII = 1e4f, LEAST = 1e4f, FARTHEST = 1e17f;
+    const vec3 reach(std::max(RADII * bounds.radius(), LEAST));
+    const vec3 center = bounds.empty() ? vec3(0.0f) : bounds.center();
+    Bounds range;
+    range.low = glm::clamp(center - reach, vec3(-FARTHEST), vec3(FARTHEST));
+    range.high = glm::clamp(center + reach, vec3(-FARTHEST), vec3(FARTHEST));
+    return range;
+}
+
+float Scene::rayReach() const {
+    Bounds range = cameraRange();
+    if (!bounds.empty()) range.grow(bounds.low), range.grow(bounds.high);
+    const vec3 farthest = glm::max(glm::abs(range.low), glm::abs(range.high));
+    return farthest.x + farthest.y + farthest.z;
+}
 
 uint64_t Scene::triangleCount() const {
     uint64_t count = 0;

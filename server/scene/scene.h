@@ -72,6 +72,12 @@ public:
     float exposure = 0.0f;                   // EV that suits the scene, added to the viewer's
     uint64_t contentHash = 0;                // of every array above
 
+    /// Where a camera may stand: within 10,000 radii of the scene's middle (from there it fills the narrowest field of view),
+    /// at least 10 km, and where lengths still have squares in float.
+    Bounds cameraRange() const;
+    /// The largest |x| + |y| + |z| of a ray's origin: no camera and no surface lies farther out. Every ray within it is finite
+    /// in the space of every instance (SceneBuilder sees to that); others are not traced.
+    float rayReach() const;
     /// Triangles over all instances.
     uint64_t triangleCount() const;
     /// Bytes held by the arrays.

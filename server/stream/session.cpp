@@ -101,6 +101,7 @@ void Session::receive(std::string_view text) {
 
 void Session::handle(const CameraMessage& message) {
     std::lock_guard lock(mutex_);
+    if (scene_) checkedCamera(message.camera, *scene_->scene);
     request_.camera = message.camera;
     request_.moving = message.moving;
     request_.inputId = message.inputId;

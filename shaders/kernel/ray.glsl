@@ -16,3 +16,10 @@ vec3 offsetRayOrigin(vec3 p, vec3 n) {
                 SELECT(abs(p.y) < origin, p.y + floatScale * n.y, py),
                 SELECT(abs(p.z) < origin, p.z + floatScale * n.z, pz));
 }
+
+// What a device may trace: a ray that begins within reach of the scene, has a direction of about unit length and an end. Anything
+// else (not a number, infinite, so far away that it leaves float in some instance's space) meets nothing, on every device.
+bool isTraceable(vec3 origin, vec3 direction, float tMax, float reach) {
+    return abs(origin.x) + abs(origin.y) + abs(origin.z) <= reach &&
+           abs(direction.x) + abs(direction.y) + abs(direction.z) <= 2.0f && tMax == tMax;
+}

@@ -208,7 +208,7 @@ struct FrameConstants {
     float fogSigma;   // extinction per metre: the fogDensity setting over the scene's radius
     float fogRadius;  // metres; the fog is a ball about the scene
     vec3 fogCenter;
-    float pad0;
+    float rayReach;   // largest |x| + |y| + |z| of a ray's origin, see isTraceable
     KernelCamera cameraBefore;  // a frame ago; the same as `camera` where nothing moves
 #define SETTING_K_INT(name, group, acts, def, low, high, unit, label, effect, price, help) uint name;
 #define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) float name;

@@ -4,6 +4,7 @@
 //                     Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, has the idea for eight)
 //   BVH_NODE(i)       16 bytes of the nodes, BVH_TRIANGLE(i) of the triangles (server/device/vulkan/tree/bvh_layout.h)
 //   BVH_STACK         entries of the stack: what the deepest path of the tree at hand needs, so it cannot overflow
+//   RAY_REACH         largest |x| + |y| + |z| of a ray's origin
 //   BVH_HOLE(hit)     true if the ray passes the hit triangle (cut-outs); origin and direction are in scope
 // The order of visits (closer child first): Aila & Laine, "Understanding the Efficiency of Ray Traversal on GPUs" (2009).
 
@@ -123,8 +124,16 @@ uint childOf(uvec4 children, uint number) {
 
 #endif
 
+uint untraceableRays = 0u;  // of this invocation
+
+uint firstNode(vec3 origin, vec3 direction, float tMax) {
+    if (isTraceable(origin, direction, tMax, RAY_REACH)) return 0u;
+    untraceableRays++;
+    return BVH_END;
+}
+
 // Follows a ray from its origin up to tMax. TRACE_CLOSEST and TRACE_TRANSPARENT set `hit` (instance NO_INDEX = nothing);
-// TRACE_ANY returns FOUND_* bits.
+// TRACE_ANY returns FOUND_* bits. A ray that isn't traceable meets nothing.
 uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit hit) {
     hit.instance = NO_INDEX;
     hit.primitive = 0u;
@@ -137,7 +146,7 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit 
     vec3 inverse = inverseDirection(direction);
     RayFrame frame = rayFrame(origin, direction);
     uint inside = NO_INDEX;  // instance whose tree is walked
-    uint ref = 0u;
+    uint ref = firstNode(origin, direction, tMax);
     uint group = 0u;  // children of the last node that wait (width 4)
     for (;;) {
         while (ref < BVH_TRIANGLES) BVH_DESCEND

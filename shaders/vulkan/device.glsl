@@ -48,6 +48,9 @@ layout(set = 0, binding = 16) uniform usamplerBuffer bvhTriangles;
 #ifndef BVH_HOLE
 #define BVH_HOLE(hit) isCutOut(surfaceAt(origin, direction, 0.0f, 0.0f, hit))
 #endif
+#ifndef RAY_REACH
+#define RAY_REACH FRAME.rayReach
+#endif
 #include "vulkan/bvh.glsl"
 
 #endif

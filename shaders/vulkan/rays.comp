@@ -7,6 +7,7 @@ layout(constant_id = 0) const uint EFFECTS = 0u;
 layout(constant_id = 1) const uint MODE = 0u;  // TRACE_CLOSEST or TRACE_ANY
 layout(constant_id = 2) const uint BVH_STACK = 64u;
 const uint VARIETIES = 0xffffffffu;
+#define RAY_REACH FLOAT_MAX  // no frame is bound
 
 #include "vulkan/device.glsl"
 

@@ -26,7 +26,7 @@ struct TraceTile {
 
 layout(std430, set = 0, binding = 17) readonly buffer TileBuffer { TraceTile tiles[]; };
 layout(std430, set = 0, binding = 18) writeonly buffer SumBuffer { vec4 sums[]; };
-layout(std430, set = 0, binding = 19) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, not finite, cut off
+layout(std430, set = 0, binding = 19) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, not finite, cut off, untraceable
 layout(push_constant) uniform Batch {
     uint tileCount;
     uint groupsBefore;  // of other dispatches for the same tiles
@@ -198,4 +198,5 @@ void main() {
     addCount(tileIndex, 4u, refractionRays);
     addCount(tileIndex, 5u, nonfinite);
     if (SINGLE) addCount(tileIndex, 6u, cutOff);
+    addCount(tileIndex, 7u, untraceableRays);
 }

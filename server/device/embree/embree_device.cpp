@@ -105,7 +105,7 @@ private:
         Frame(EmbreeDevice& device, const FrameRequest& request)
             : scene(device.sceneFor(request.settings)), constants(frameConstants(scene->scene(), request)),
               program(chooseTileProgram(tileProgramTable(), request.effects.bits)) {
-            job.rtcScene = scene->handle();
+            job.rtcScene = scene->target();
             job.view = &scene->view();
             job.frame = &constants;
             job.coherentPrimary = scene->coherentPrimary();
@@ -139,10 +139,12 @@ private:
     static void renderTile(TileProgram& program, const TileJob& common, TileResult& result) {
         TileJob job = common;
         job.tile = result.tile;
+        job.rtcScene.untraceable = &job.untraceableRays;
         result.radianceSum.assign(size_t(job.tile.size.x) * job.tile.size.y, vec4(0.0f));
         job.radianceSum = result.radianceSum.data();
         program.render(job);
         for (size_t kind = 0; kind < result.rays.by.size(); kind++) result.rays.by[kind] = job.rays[kind];
+        result.rays.untraceable = job.untraceableRays;
         result.nonfiniteSamples = job.nonfiniteSamples;
     }
 

@@ -99,7 +99,7 @@ BlockRays makeBlock(const EmbreeScene& scene, const FrameConstants& frame, uvec2
         rays.primary.push(path.origin, path.direction, RayKernel::FLOAT_MAX);
         RTCRayHit16 packet;
         setRay(packet.ray, 0, path.origin, path.direction, RayKernel::FLOAT_MAX);
-        traceClosest(scene.handle(), packet, 1, {1, true});
+        traceClosest(scene.target(), packet, 1, {1, true});
         Hit hit = EmbreeScene::hitOf(packet.hit.geomID[0], packet.hit.primID[0], packet.hit.instID[0][0]);
         if (hit.instance == NO_INDEX) return;
         auto s = k.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
@@ -163,7 +163,7 @@ BareTime EmbreeRaw::trace(RayKind kind) {
     bool coherent = closest ? data_->scene->coherentPrimary()
                             : kind == RayKind::shadow && data_->scene->coherentShadows();
     TraceMode mode{data_->width, coherent};
-    RTCScene scene = data_->scene->handle();
+    const TraceTarget scene = data_->scene->target();
     std::atomic<uint64_t> found{0};
     double cpu = processCpuSeconds();
     double wall = wallSeconds();

@@ -2,7 +2,6 @@
 
 #include "server/kernel/kernel.h"
 
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -77,7 +76,7 @@ bool continueBuild(void* pointer, double share) {
 
 EmbreeScene::EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, uint32_t quality, bool robust,
                          const Progress& progress)
-    : scene_(std::move(scene)), view_(sceneView(*scene_)) {
+    : scene_(std::move(scene)), view_(sceneView(*scene_)), rayReach_(scene_->rayReach()) {
     meshScenes_.resize(scene_->meshes.size(), nullptr);
     for (const Mesh& mesh : scene_->meshes) {
         coherentPrimary_ = coherentPrimary_ && mesh.opacity != OPACITY_MASKED;
@@ -102,18 +101,12 @@ EmbreeScene::~EmbreeScene() {
 }
 
 std::optional<double> EmbreeScene::depthAlong(const ViewRay& ray) const {
-    // Farther away, squares of distances leave the range of float.
-    constexpr double FARTHEST = 1e18;
-    for (int axis = 0; axis < 3; axis++) {
-        if (!(std::abs(ray.origin[axis]) < FARTHEST) || !std::isfinite(ray.direction[axis])) return std::nullopt;
-    }
+    const double length = glm::length(ray.direction);
     alignas(64) RTCRayHit16 packet;
-    setRay(packet.ray, 0, vec3(ray.origin), vec3(ray.direction), std::numeric_limits<float>::infinity());
-    packet.hit.geomID[0] = RTC_INVALID_GEOMETRY_ID;
-    packet.hit.instID[0][0] = RTC_INVALID_GEOMETRY_ID;
-    traceClosest(root_, packet, 1, {1, false});
+    setRay(packet.ray, 0, vec3(ray.origin), vec3(ray.direction / length), std::numeric_limits<float>::infinity());
+    traceClosest(target(), packet, 1, {1, false});
     if (packet.hit.geomID[0] == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return static_cast<double>(packet.ray.tfar[0]);
+    return static_cast<double>(packet.ray.tfar[0]) / length;
 }
 
 RTCGeometry EmbreeScene::makeTriangles(RTCDevice device, const Mesh& mesh) {

@@ -26,7 +26,7 @@ public:
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-    RTCScene handle() const { return root_; }
+    TraceTarget target() const { return {root_, rayReach_, nullptr}; }
     const Scene& scene() const { return *scene_; }
     const SceneView& view() const { return view_; }
 
@@ -53,6 +53,7 @@ private:
 
     std::shared_ptr<const Scene> scene_;
     SceneView view_;
+    float rayReach_;
     RTCScene root_ = nullptr;
     bool coherentPrimary_ = true;
     bool coherentShadows_ = true;

@@ -1,5 +1,7 @@
 #include "server/device/embree/ray_packet.h"
 
+#include <emmintrin.h>
+
 #include <cstddef>
 #include <cstring>
 #include <type_traits>
@@ -26,10 +28,35 @@ struct SentRays {
     }
 };
 
+// Which of the first `count` rays are traced: those that are valid to Embree in every instance's space. kernel/ray.glsl's
+// isTraceable, four rays at a time.
 struct alignas(64) ValidMask {
     int lane[PACKET];
-    explicit ValidMask(uint32_t count) {
-        for (uint32_t i = 0; i < PACKET; i++) lane[i] = i < count ? -1 : 0;
+    uint32_t bits = 0;
+
+    ValidMask(const TraceTarget& target, const RTCRay16& rays, uint32_t count) {
+        const __m128 reach = _mm_set1_ps(target.rayReach), longest = _mm_set1_ps(2.0f);
+        for (uint32_t i = 0; i < PACKET; i += 4) {
+            const __m128 end = _mm_load_ps(rays.tfar + i);
+            const __m128 near = _mm_cmple_ps(sumOfSizes(rays.org_x + i, rays.org_y + i, rays.org_z + i), reach);
+            const __m128 unit = _mm_cmple_ps(sumOfSizes(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i), longest);
+            const __m128i asked = _mm_cmplt_epi32(_mm_add_epi32(_mm_setr_epi32(0, 1, 2, 3), _mm_set1_epi32(static_cast<int>(i))),
+                                                  _mm_set1_epi32(static_cast<int>(count)));
+            const __m128 valid = _mm_and_ps(_mm_and_ps(near, unit), _mm_and_ps(_mm_cmpord_ps(end, end), _mm_castsi128_ps(asked)));
+            _mm_store_ps(reinterpret_cast<float*>(lane + i), valid);
+            bits |= static_cast<uint32_t>(_mm_movemask_ps(valid)) << i;
+        }
+        if (target.untraceable) *target.untraceable += count - static_cast<uint32_t>(__builtin_popcount(bits));
+    }
+
+    bool operator[](uint32_t i) const { return (bits >> i & 1u) != 0; }
+
+private:
+    // |x| + |y| + |z|
+    static __m128 sumOfSizes(const float* x, const float* y, const float* z) {
+        const __m128 sign = _mm_set1_ps(-0.0f);
+        return _mm_add_ps(_mm_add_ps(_mm_andnot_ps(sign, _mm_load_ps(x)), _mm_andnot_ps(sign, _mm_load_ps(y))),
+                          _mm_andnot_ps(sign, _mm_load_ps(z)));
     }
 };
 
@@ -68,8 +95,8 @@ void copyRay(RTCRay& to, const RTCRay16& from, uint32_t i) {
 }
 
 template <uint32_t W, typename RayHit, typename Function>
-void closestNarrow(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceContext& context, Function intersect) {
-    ValidMask valid(count);
+void closestNarrow(const TraceTarget& target, RTCRayHit16& packet, uint32_t count, TraceContext& context, Function intersect) {
+    const ValidMask valid(target, packet.ray, count);
     for (uint32_t first = 0; first < count; first += W) {
         alignas(64) RayHit narrow;
         copyRays<W>(narrow.ray, packet.ray, first);
@@ -77,7 +104,7 @@ void closestNarrow(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceCon
             narrow.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
             narrow.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
-        intersect(valid.lane + first, scene, &context.rtc, &narrow);
+        intersect(valid.lane + first, target.scene, &context.rtc, &narrow);
         for (uint32_t i = 0; i < W; i++) {
             packet.hit.geomID[first + i] = narrow.hit.geomID[i];
             packet.hit.primID[first + i] = narrow.hit.primID[i];
@@ -86,13 +113,14 @@ void closestNarrow(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceCon
     }
 }
 
-void closestSingle(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceContext& context) {
+void closestSingle(const TraceTarget& target, RTCRayHit16& packet, uint32_t count, TraceContext& context) {
+    const ValidMask valid(target, packet.ray, count);
     for (uint32_t i = 0; i < count; i++) {
         RTCRayHit single;
         copyRay(single.ray, packet.ray, i);
         single.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         single.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene, &context.rtc, &single);
+        if (valid[i]) rtcIntersect1(target.scene, &context.rtc, &single);
         packet.hit.geomID[i] = single.hit.geomID;
         packet.hit.primID[i] = single.hit.primID;
         packet.hit.instID[0][i] = single.hit.instID[0];
@@ -101,25 +129,27 @@ void closestSingle(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceCon
 }
 
 template <uint32_t W, typename Narrow, typename Function>
-uint32_t occludedNarrow(RTCScene scene, const RTCRay16& packet, uint32_t count, TraceContext& context, Function occluded) {
-    ValidMask valid(count);
+uint32_t occludedNarrow(const TraceTarget& target, const RTCRay16& packet, uint32_t count, TraceContext& context, Function occluded) {
+    const ValidMask valid(target, packet, count);
     uint32_t blocked = 0;
     for (uint32_t first = 0; first < count; first += W) {
         alignas(64) Narrow narrow;
         copyRays<W>(narrow, packet, first);
-        occluded(valid.lane + first, scene, &context.rtc, &narrow);
+        occluded(valid.lane + first, target.scene, &context.rtc, &narrow);
         for (uint32_t i = 0; i < W && first + i < count; i++)
             if (narrow.tfar[i] < 0.0f) blocked |= 1u << (first + i);
     }
-    return blocked;
+    return blocked & valid.bits;
 }
 
-uint32_t occludedSingle(RTCScene scene, const RTCRay16& packet, uint32_t count, TraceContext& context) {
+uint32_t occludedSingle(const TraceTarget& target, const RTCRay16& packet, uint32_t count, TraceContext& context) {
+    const ValidMask valid(target, packet, count);
     uint32_t blocked = 0;
     for (uint32_t i = 0; i < count; i++) {
+        if (!valid[i]) continue;
         RTCRay single;
         copyRay(single, packet, i);
-        rtcOccluded1(scene, &context.rtc, &single);
+        rtcOccluded1(target.scene, &context.rtc, &single);
         if (single.tfar < 0.0f) blocked |= 1u << i;
     }
     return blocked;
@@ -133,39 +163,40 @@ uint32_t nativePacketWidth(RTCDevice device) {
     return 4;
 }
 
-void traceClosest(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceMode mode) {
+void traceClosest(const TraceTarget& target, RTCRayHit16& packet, uint32_t count, TraceMode mode) {
     TraceContext context = makeContext(packet.ray, mode.coherent);
     if (mode.width == 16) {
-        ValidMask valid(count);
+        const ValidMask valid(target, packet.ray, count);
         for (uint32_t i = 0; i < PACKET; i++) {
             packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
             packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         SentRays sent(context, packet.ray);
-        rtcIntersect16(valid.lane, scene, &context.rtc, &packet);
+        rtcIntersect16(valid.lane, target.scene, &context.rtc, &packet);
     } else if (mode.width == 8) {
-        closestNarrow<8, RTCRayHit8>(scene, packet, count, context, rtcIntersect8);
+        closestNarrow<8, RTCRayHit8>(target, packet, count, context, rtcIntersect8);
     } else if (mode.width == 4) {
-        closestNarrow<4, RTCRayHit4>(scene, packet, count, context, rtcIntersect4);
+        closestNarrow<4, RTCRayHit4>(target, packet, count, context, rtcIntersect4);
     } else {
-        closestSingle(scene, packet, count, context);
+        closestSingle(target, packet, count, context);
     }
 }
 
-uint32_t traceOccluded(RTCScene scene, RTCRay16& packet, uint32_t count, TraceMode mode, uint32_t& passedTransparent) {
+uint32_t traceOccluded(const TraceTarget& target, RTCRay16& packet, uint32_t count, TraceMode mode, uint32_t& passedTransparent) {
     TraceContext context = makeContext(packet, mode.coherent);
     uint32_t blocked = 0;
     if (mode.width == 16) {
-        ValidMask valid(count);
+        const ValidMask valid(target, packet, count);
         SentRays sent(context, packet);
-        rtcOccluded16(valid.lane, scene, &context.rtc, &packet);
+        rtcOccluded16(valid.lane, target.scene, &context.rtc, &packet);
         for (uint32_t i = 0; i < count; i++) blocked |= (packet.tfar[i] < 0.0f ? 1u : 0u) << i;
+        blocked &= valid.bits;
     } else if (mode.width == 8) {
-        blocked = occludedNarrow<8, RTCRay8>(scene, packet, count, context, rtcOccluded8);
+        blocked = occludedNarrow<8, RTCRay8>(target, packet, count, context, rtcOccluded8);
     } else if (mode.width == 4) {
-        blocked = occludedNarrow<4, RTCRay4>(scene, packet, count, context, rtcOccluded4);
+        blocked = occludedNarrow<4, RTCRay4>(target, packet, count, context, rtcOccluded4);
     } else {
-        blocked = occludedSingle(scene, packet, count, context);
+        blocked = occludedSingle(target, packet, count, context);
     }
     passedTransparent = context.passedTransparent;
     return blocked;

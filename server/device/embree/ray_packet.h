@@ -16,6 +16,13 @@ struct TraceContext {
     uint32_t passedTransparent = 0;  // bit per ray: an occlusion ray met a transparent surface
 };
 
+/// What rays are traced against, and which rays may be: Embree ends the process over others.
+struct TraceTarget {
+    RTCScene scene = nullptr;
+    float rayReach = 0.0f;          // Scene::rayReach
+    uint64_t* untraceable = nullptr;  // counts the rays that were left out, which meet nothing; may be null
+};
+
 /// How a group of rays is traced. Width 1 traces them one by one.
 struct TraceMode {
     uint32_t width = 16;  // 1, 4, 8 or 16
@@ -45,10 +52,10 @@ inline vec3 rayDirection(const RTCRay16& p, uint32_t lane) { return {p.dir_x[lan
 
 /// Closest hits of the first `count` rays; geomID and instID tell what was hit, with width 1 or 16
 /// tfar how far away.
-void traceClosest(RTCScene scene, RTCRayHit16& packet, uint32_t count, TraceMode mode);
+void traceClosest(const TraceTarget& target, RTCRayHit16& packet, uint32_t count, TraceMode mode);
 
 /// Any-hit test of the first `count` rays: bit per ray that is blocked by something opaque. `passedTransparent`: bit per
 /// ray that met a transparent surface on its way.
-uint32_t traceOccluded(RTCScene scene, RTCRay16& packet, uint32_t count, TraceMode mode, uint32_t& passedTransparent);
+uint32_t traceOccluded(const TraceTarget& target, RTCRay16& packet, uint32_t count, TraceMode mode, uint32_t& passedTransparent);
 
 }  // namespace heliograph

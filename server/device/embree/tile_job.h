@@ -14,7 +14,7 @@ struct TraceOptions {
 };
 
 struct TileJob {
-    RTCScene rtcScene = nullptr;
+    TraceTarget rtcScene;
     const SceneView* view = nullptr;
     const FrameConstants* frame = nullptr;
     TraceOptions options;
@@ -23,6 +23,7 @@ struct TileJob {
     Tile tile;
     vec4* radianceSum = nullptr;  // row-major over the tile, zeroed by the caller
     uint64_t rays[static_cast<size_t>(RayKind::count)] = {};
+    uint64_t untraceableRays = 0;
     uint64_t nonfiniteSamples = 0;
 };
 

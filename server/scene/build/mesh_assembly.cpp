@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 
 namespace heliograph {
 
@@ -17,6 +18,8 @@ namespace {
 
 // Float has 24 bits: beyond this ratio of distance to size, baking would leave under 14 bits for the shape.
 constexpr double FARTHEST_BAKED = 1e3;
+constexpr double SMALLEST_SIZE = 1e-18, LARGEST_SIZE = 1e18;
+constexpr uint64_t MOST_NAMED = 8;  // instances that are left out
 // Copies of shared meshes made because an instance has no inverse, in triangles.
 constexpr uint64_t MOST_COPIED_TRIANGLES = uint64_t(1) << 24;
 
@@ -42,6 +45,13 @@ uint32_t colorWord(vec4 color) {
     const auto byte = [](float x) { return static_cast<uint32_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255.0f)); };
     return byte(color.x) | byte(color.y) << 8 | byte(color.z) << 16 | byte(color.w) << 24;
 }
+
+/// An instance of a shared mesh.
+struct PlacedCopy {
+    uint32_t shared = 0;  // index into the shared copies
+    Placement placement;
+    const PlacedMesh* source = nullptr;
+};
 
 /// One copy of a mesh in the scene's arrays.
 struct Copy {
@@ -74,29 +84,20 @@ private:
         std::vector<uint32_t> uses(draft_.meshes.size(), 0);
         for (const PlacedMesh& placed : draft_.placed) uses[placed.mesh]++;
         sharedIndex_.assign(draft_.meshes.size(), NO_INDEX);
-        uint64_t copiedTriangles = 0;
         for (const PlacedMesh& placed : draft_.placed) {
             const MeshData& mesh = draft_.meshes[placed.mesh];
             if (mesh.indices.empty()) continue;
             const Placement placement = placementOf(placed.toWorld);
             if (!placement.finite || placement.collapsed()) {
-                dropped_++;
+                drop(placed);
                 continue;
             }
             const Bounds bounds = instanceBounds(mesh, placement, uses[placed.mesh]);
-            if (!(glm::length(glm::dvec3(bounds.low)) + glm::length(glm::dvec3(bounds.high)) < 1e18)) {
-                dropped_++;
+            if (!hasUsableSize(mesh, placement, bounds)) {
+                drop(placed);
                 continue;
             }
             bool bake = placement.identity ? uses[placed.mesh] == 1 : uses[placed.mesh] == 1 && !farFromOrigin(bounds);
-            if (!placement.invertible) {
-                if (uses[placed.mesh] > 1) copiedTriangles += mesh.indices.size();
-                if (copiedTriangles > MOST_COPIED_TRIANGLES) {
-                    dropped_++;
-                    continue;
-                }
-                bake = true;
-            }
             grow(scene_.bounds, bounds);
             if (bake) {
                 baked_.push_back(copyOf(mesh, placement));
@@ -105,10 +106,62 @@ private:
                     sharedIndex_[placed.mesh] = static_cast<uint32_t>(shared_.size());
                     shared_.push_back(copyOf(mesh, Placement{}));
                 }
-                instances_.push_back({sharedIndex_[placed.mesh], placement});
+                instances_.push_back({sharedIndex_[placed.mesh], placement, &placed});
             }
         }
+        copyUntraceable();
     }
+
+    /// Instances without a usable inverse, or in whose space the farthest rays would leave float, become copies.
+    void copyUntraceable() {
+        const float reach = scene_.rayReach();
+        uint64_t copied = 0;
+        std::erase_if(instances_, [&](const PlacedCopy& instance) {
+            if (traceable(instance.placement, reach)) return false;
+            const MeshData& mesh = *shared_[instance.shared].mesh;
+            copied += mesh.indices.size();
+            if (copied <= MOST_COPIED_TRIANGLES) baked_.push_back(copyOf(mesh, instance.placement));
+            else drop(*instance.source);
+            return true;
+        });
+        dropUnusedShared();
+    }
+
+    /// Meshes of which no instance is left are not laid out.
+    void dropUnusedShared() {
+        std::vector<uint32_t> place(shared_.size(), NO_INDEX);
+        for (const PlacedCopy& instance : instances_) place[instance.shared] = 0;
+        uint32_t kept = 0;
+        for (size_t i = 0; i < shared_.size(); i++) {
+            if (place[i] == NO_INDEX) continue;
+            if (i != kept) shared_[kept] = std::move(shared_[i]);
+            place[i] = kept++;
+        }
+        shared_.resize(kept);
+        for (PlacedCopy& instance : instances_) instance.shared = place[instance.shared];
+    }
+
+    /// Leaves it out and says so, by name for the first few.
+    void drop(const PlacedMesh& placed) {
+        if (dropped_++ >= MOST_NAMED) return;
+        std::ostringstream text;
+        text << "instance '" << placed.name << "' was left out: axes";
+        for (int i = 0; i < 3; i++) {
+            const vec4 axis = placed.toWorld[i];
+            text << (i > 0 ? ", " : " ") << "[" << axis.x << ", " << axis.y << ", " << axis.z << "]";
+        }
+        text << "; allowed: finite, and a mesh of 1e-18 to 1e18 across";
+        addWarning(draft_, text.str());
+    }
+
+    /// Squared lengths and areas of the mesh, as it stands in the world, are floats.
+    static bool hasUsableSize(const MeshData& mesh, Placement placement, const Bounds& bounds) {
+        if (!(glm::length(dvec3(bounds.low)) + glm::length(dvec3(bounds.high)) < LARGEST_SIZE)) return false;
+        if (bounds.low != bounds.high) return sizeOf(bounds) > SMALLEST_SIZE;
+        placement.offset = dvec3(0.0);  // smaller than the rounding of its place
+        return sizeOf(boundsOf(mesh.positions, placement)) > SMALLEST_SIZE;
+    }
+    static double sizeOf(const Bounds& bounds) { return glm::length(dvec3(bounds.high) - dvec3(bounds.low)); }
 
     static void grow(Bounds& into, const Bounds& bounds) {
         if (bounds.empty()) return;
@@ -276,7 +329,7 @@ private:
             if (mesh != NO_INDEX)
                 scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
         }
-        for (const auto& [shared, placement] : instances_) {
+        for (const auto& [shared, placement, source] : instances_) {
             for (uint32_t mesh : sharedMesh_[shared]) {
                 if (mesh == NO_INDEX) continue;
                 scene_.instances.push_back(instanceOf(placement, mesh, scene_.meshes[mesh].firstTriangle));
@@ -301,7 +354,7 @@ private:
     std::vector<Copy> baked_;
     std::vector<Copy> shared_;
     std::vector<uint32_t> sharedIndex_;                       // draft mesh -> shared_
-    std::vector<std::pair<uint32_t, Placement>> instances_;   // index into shared_
+    std::vector<PlacedCopy> instances_;
     std::array<uint32_t, 3> bakedMesh_{NO_INDEX, NO_INDEX, NO_INDEX};
     std::vector<std::array<uint32_t, 3>> sharedMesh_;
     uint64_t bakedVertices_ = 0;

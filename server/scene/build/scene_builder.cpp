@@ -164,11 +164,11 @@ uint32_t SceneBuilder::addMesh(MeshData mesh) {
     return static_cast<uint32_t>(data_->meshes.size() - 1);
 }
 
-void SceneBuilder::addInstance(uint32_t mesh, const mat4& toWorld) {
+void SceneBuilder::addInstance(uint32_t mesh, const mat4& toWorld, const std::string& name) {
     if (mesh >= data_->meshes.size())
         throw std::logic_error("instance of mesh " + std::to_string(mesh) + " of " +
                                std::to_string(data_->meshes.size()));
-    data_->placed.push_back({mesh, toWorld});
+    data_->placed.push_back({mesh, toWorld, name});
 }
 
 void SceneBuilder::addLight(const Light& light) { data_->lights.push_back(light); }

@@ -46,7 +46,8 @@ public:
     uint32_t addImage(ImageData image);
     uint32_t addTexture(const TextureSlot& slot);
     uint32_t addMesh(MeshData mesh);
-    void addInstance(uint32_t mesh, const mat4& toWorld);
+    /// `name`: for messages.
+    void addInstance(uint32_t mesh, const mat4& toWorld, const std::string& name = {});
     void addLight(const Light& light);
     void addCamera(const NamedCamera& camera);
     void addPath(const CameraPath& path);

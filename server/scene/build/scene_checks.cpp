@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace heliograph {
 
 namespace {
+
+constexpr float FARTHEST_LIGHT = 1e18f;  // squared distances are floats
 
 template <typename T>
 bool finite(const T& v) {
@@ -60,9 +63,12 @@ int repairMaterial(Material& m, size_t textures) {
 
 bool repairLight(Light& light) {
     if (!finite(light.position) || !finite(light.direction) || !finite(light.intensity)) return false;
+    for (int i = 0; i < 3; i++) {
+        if (std::abs(light.position[i]) > FARTHEST_LIGHT || std::abs(light.edge[i]) > FARTHEST_LIGHT) return false;
+    }
     if (!std::isfinite(light.range) || light.range < 0.0f) light.range = 0.0f;
     if (light.type > LIGHT_QUAD || light.falloff > FALLOFF_LINEAR) return false;
-    if (!std::isfinite(light.radius) || light.radius < 0.0f || light.type == LIGHT_HEADLIGHT || light.type == LIGHT_QUAD)
+    if (!(light.radius >= 0.0f && light.radius <= FARTHEST_LIGHT) || light.type == LIGHT_HEADLIGHT || light.type == LIGHT_QUAD)
         light.radius = 0.0f;
     if (light.type == LIGHT_QUAD) {
         if (!finite(light.edge) || !(glm::length(light.edge) > 0.0f)) return false;
@@ -84,10 +90,19 @@ bool repairLight(Light& light) {
     return true;
 }
 
+bool inside(const Bounds& range, vec3 p) {
+    return glm::all(glm::lessThanEqual(range.low, p)) && glm::all(glm::lessThanEqual(p, range.high));
+}
+
+std::string shown(vec3 v) {
+    std::ostringstream text;
+    text << "[" << v.x << ", " << v.y << ", " << v.z << "]";
+    return text.str();
+}
+
 bool repairCamera(NamedCamera& camera) {
     const float length = glm::length(camera.forward);
     if (!finite(camera.position) || !(length > 1e-12f) || !std::isfinite(length)) return false;
-    if (glm::length(camera.position) > 1e18f) return false;
     camera.forward /= length;
     vec3 up = finite(camera.up) ? camera.up : vec3(0.0f, 1.0f, 0.0f);
     up -= camera.forward * glm::dot(camera.forward, up);
@@ -130,20 +145,27 @@ void checkMaterials(SceneDraft& draft) {
 void checkLights(SceneDraft& draft) {
     const size_t dropped = dropUnless(draft.lights, repairLight);
     if (dropped > 0)
-        addWarning(draft, std::to_string(dropped) + " lights were left out: not finite or without direction");
+        addWarning(draft, std::to_string(dropped) + " lights were left out: not finite, without direction or beyond 1e18");
 }
 
 void checkCameras(SceneDraft& draft) {
     const size_t dropped = dropUnless(draft.scene.cameras, repairCamera);
     if (dropped > 0)
         addWarning(draft, std::to_string(dropped) + " cameras were left out: not finite or without direction");
-    const size_t paths = dropUnless(draft.scene.paths, [](const CameraPath& path) {
+    const Bounds range = draft.scene.cameraRange();
+    dropUnless(draft.scene.cameras, [&](const NamedCamera& camera) {
+        if (inside(range, camera.position)) return true;
+        addWarning(draft, "camera '" + camera.name + "' was left out: position " + shown(camera.position) + "; allowed: " +
+                              shown(range.low) + " to " + shown(range.high));
+        return false;
+    });
+    const size_t paths = dropUnless(draft.scene.paths, [&](const CameraPath& path) {
         return path.keys.size() >= 2 && path.seconds > 0.0f && std::isfinite(path.seconds) &&
                std::all_of(path.keys.begin(), path.keys.end(),
-                           [](const CameraPath::Key& key) { return finite(key.position) && finite(key.target); });
+                           [&](const CameraPath::Key& key) { return inside(range, key.position) && inside(range, key.target); });
     });
     if (paths > 0)
-        addWarning(draft, std::to_string(paths) + " camera paths were left out: fewer than 2 keys or not finite");
+        addWarning(draft, std::to_string(paths) + " camera paths were left out: fewer than 2 keys, not finite or too far away");
 }
 
 }  // namespace heliograph

@@ -10,6 +10,7 @@ namespace heliograph {
 struct PlacedMesh {
     uint32_t mesh = 0;
     mat4 toWorld{1.0f};
+    std::string name;  // for messages, may be empty
 };
 
 struct SceneDraft {

@@ -1,10 +1,18 @@
 #include "server/scene/build/transform.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace heliograph {
 
 namespace {
+
+// Between these, products of three lengths and their inverses are floats.
+constexpr double SHORTEST_AXIS = 1e-12, LONGEST_AXIS = 1e12;
+// Below this ratio of volume to lengths, a determinant computed in float is rounding noise (6e-8 of the lengths) to a percent
+// or more, and may be 0.
+constexpr double FLATTEST = 1e-5;
+constexpr double LARGEST_COORDINATE = 1e18;  // of a ray, in any space
 
 bool finiteMatrix(const dmat3& m) {
     for (int c = 0; c < 3; c++) {
@@ -45,11 +53,20 @@ Placement placementOf(const mat4& toWorld) {
     const dvec3 a = p.linear[0], b = p.linear[1], c = p.linear[2];
     p.cofactor = dmat3(glm::cross(b, c), glm::cross(c, a), glm::cross(a, b));
     p.determinant = glm::dot(a, p.cofactor[0]);
-    const dmat3 inverse = glm::transpose(p.cofactor) / p.determinant;
-    // A determinant that is rounding noise against the columns' lengths has no usable inverse.
-    const double volume = glm::length(a) * glm::length(b) * glm::length(c);
-    p.invertible = p.finite && std::abs(p.determinant) > volume * 1e-12 && finiteMatrix(inverse);
+    const dvec3 lengths(glm::length(a), glm::length(b), glm::length(c));
+    p.invertible = p.finite && std::abs(p.determinant) > lengths.x * lengths.y * lengths.z * FLATTEST;
+    for (int i = 0; i < 3; i++) p.invertible = p.invertible && lengths[i] >= SHORTEST_AXIS && lengths[i] <= LONGEST_AXIS;
     return p;
+}
+
+bool traceable(const Placement& p, float rayReach) {
+    if (!p.invertible) return false;
+    const dmat3 inverse = glm::transpose(p.cofactor) / p.determinant;
+    const dvec3 back = glm::abs(inverse * p.offset);
+    double largest = 0.0;  // factor of a coordinate
+    for (int c = 0; c < 3; c++) largest = std::max({largest, std::abs(inverse[c].x), std::abs(inverse[c].y), std::abs(inverse[c].z)});
+    // Directions are shorter than 2 in the sum that rayReach bounds for origins.
+    return largest * std::max(double(rayReach), 2.0) + std::max({back.x, back.y, back.z}) <= LARGEST_COORDINATE;
 }
 
 Instance instanceOf(const Placement& p, uint32_t mesh, uint32_t firstTriangle) {

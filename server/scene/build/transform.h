@@ -19,7 +19,7 @@ struct Placement {
     double determinant = 1.0;
     bool identity = true;
     bool finite = true;
-    bool invertible = true;  // and the inverse fits in float
+    bool invertible = true;  // also in float: axes of 1e-12 to 1e12 length, not nearly in one plane
 
     dvec3 point(vec3 p) const { return linear * dvec3(p) + offset; }
     /// Unit normal on the outer side; zero where the transform leaves none.
@@ -27,6 +27,10 @@ struct Placement {
     /// The transform loses more than one dimension: nothing with an area remains.
     bool collapsed() const;
 };
+
+/// Whether a ray that is valid in the world (Scene::rayReach) is finite, far from float's limits, in the instance's space.
+/// A device that inverts the transform in float agrees.
+bool traceable(const Placement& placement, float rayReach);
 
 /// Row 3 of the matrix is taken as (0, 0, 0, 1).
 Placement placementOf(const mat4& toWorld);

@@ -132,7 +132,8 @@ private:
             throw InputError(document_.at(pointerOf(index)),
                              "more than " + std::to_string(MOST_INSTANCES) + " instances");
         for (const dmat4& copy : copies) {
-            for (uint32_t part : parts) builder_.addInstance(part, mat4(toWorld * copy));
+            for (uint32_t part : parts)
+                builder_.addInstance(part, mat4(toWorld * copy), node.name.empty() ? pointerOf(index) : node.name);
         }
     }
 

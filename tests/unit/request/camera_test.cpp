@@ -111,6 +111,26 @@ TEST(CameraPath, LookingStraightDownIsADirectionToo) {
     expectNear(camera.up, vec3(0, 0, -1));
 }
 
+TEST(Camera, StandsWithinReachOfItsScene) {
+    SceneBuilder builder = test::litBuilder();
+    builder.addInstance(builder.addMesh(test::square()), mat4(1e3f));
+    const auto scene = builder.finish();
+    const Bounds range = scene->cameraRange();
+    EXPECT_NEAR(range.high.x - range.low.x, 2e4f * scene->bounds.radius(), 1.0f);
+    Camera camera;
+    camera.position = range.high;
+    EXPECT_EQ(checkedCamera(camera, *scene).position, range.high);
+    camera.position.y *= 1.01f;
+    try {
+        checkedCamera(camera, *scene);
+        ADD_FAILURE() << "taken";
+    } catch (const InputError& error) {
+        EXPECT_EQ(error.field(), "camera position");
+        EXPECT_NE(std::string(error.what()).find("allowed: ["), std::string::npos) << error.what();
+    }
+    EXPECT_GE(scene->rayReach(), range.high.x + range.high.y + range.high.z);
+}
+
 TEST(FrameConstants, CarryRequestAndScene) {
     SceneBuilder builder = test::litBuilder();
     builder.addInstance(builder.addMesh(test::square()), mat4(1.0f));

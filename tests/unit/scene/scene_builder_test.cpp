@@ -190,6 +190,59 @@ TEST(SceneBuilder, FlattensInstancesWithoutInverse) {
     for (const Instance& instance : scene->instances) EXPECT_EQ(instance.flags, INSTANCE_IDENTITY);
 }
 
+TEST(SceneBuilder, FlattensWhatHasNoInverseInFloat) {
+    for (const vec3 scale : {vec3(1, 1, 1e-19f), vec3(1, 1e-30f, 1), vec3(1, 1, 1e-44f), vec3(1e-13f), vec3(1e13f)}) {
+        SceneBuilder builder("t");
+        const uint32_t mesh = builder.addMesh(square());
+        builder.addInstance(mesh, mat4(1.0f));
+        builder.addInstance(mesh, glm::scale(mat4(1.0f), scale));
+        builder.addInstance(mesh, glm::scale(glm::translate(mat4(1.0f), vec3(3, 0, 0)), scale));
+        const auto scene = builder.finish();
+        EXPECT_EQ(scene->triangleCount(), 6u) << scale.x;
+        for (const Instance& instance : scene->instances) EXPECT_EQ(instance.flags, INSTANCE_IDENTITY) << scale.x;
+    }
+}
+
+TEST(SceneBuilder, TheFarthestRayIsFiniteInEveryInstance) {
+    for (const float size : {1.0f, 1e6f, 1e9f}) {
+        SceneBuilder builder("t");
+        const uint32_t mesh = builder.addMesh(square()), ground = builder.addMesh(square());
+        builder.addInstance(ground, glm::scale(mat4(1.0f), vec3(size)));
+        for (int e = -14; e <= 12; e++) {
+            const mat4 turned = glm::rotate(glm::translate(mat4(1.0f), vec3(size)), 0.3f * static_cast<float>(e), vec3(1, 2, 3));
+            builder.addInstance(mesh, glm::scale(turned, vec3(std::pow(10.0f, static_cast<float>(e)))));
+        }
+        const auto scene = builder.finish();
+        EXPECT_EQ(scene->triangleCount(), 2u * 28u);
+        for (const Instance& instance : scene->instances) {
+            for (const vec4& row : {instance.toObject0, instance.toObject1, instance.toObject2}) {
+                const float largest = std::max({std::abs(row.x), std::abs(row.y), std::abs(row.z)});
+                EXPECT_LE(largest * scene->rayReach() + std::abs(row.w), 1.001e18f) << size;
+            }
+        }
+    }
+}
+
+TEST(SceneBuilder, LeavesOutWhatIsAPointAndNamesIt) {
+    SceneBuilder builder("t");
+    const uint32_t mesh = builder.addMesh(square());
+    builder.addInstance(mesh, mat4(1.0f));
+    builder.addInstance(mesh, glm::scale(mat4(1.0f), vec3(1e-19f)), "speck");
+    const auto scene = builder.finish();
+    EXPECT_EQ(scene->triangleCount(), 2u);
+    EXPECT_THAT(scene->warnings, Contains(HasSubstr("instance 'speck' was left out: axes [1e-19, 0, 0]")));
+    EXPECT_THAT(scene->warnings, Contains(HasSubstr("allowed: finite, and a mesh of 1e-18 to 1e18 across")));
+}
+
+TEST(SceneBuilder, LeavesOutCamerasBeyondReachAndNamesThem) {
+    SceneBuilder builder("t");
+    builder.addInstance(builder.addMesh(square()), mat4(1.0f));
+    builder.addCamera({"far", vec3(1e15f, 0, 0), vec3(-1, 0, 0)});
+    const auto scene = builder.finish();
+    EXPECT_EQ(scene->cameras.front().name, "default");
+    EXPECT_THAT(scene->warnings, Contains(HasSubstr("camera 'far' was left out: position [1e+15, 0, 0]; allowed: [-9999.5")));
+}
+
 TEST(SceneBuilder, MakesTangentsForNormalTexturesAlone) {
     for (const bool mirrored : {false, true}) {
         SceneBuilder builder("t");

@@ -359,6 +359,26 @@ TEST(Session, FaultsAreAnsweredAndNothingElseHappens) {
     ASSERT_TRUE(line.socket->until([&] { return line.socket->headers.back().inputId == 9; }));
 }
 
+TEST(Session, ACameraOutOfReachIsRefusedAndTheLastOneStays) {
+    Line line;
+    line.session->begin();
+    line.size();
+    line.look(2);
+    ASSERT_TRUE(line.socket->until([&] { return !line.socket->headers.empty() && line.socket->headers.back().inputId == 2; }));
+    uint32_t inputId = 2;
+    for (double far : {1e6, 1e19, 3e38}) {
+        line.say({{"type", "camera"}, {"inputId", ++inputId}, {"position", {0, far, 0}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}},
+                  {"fieldOfView", 60}, {"moving", false}});
+        const json error = line.socket->last("error");
+        EXPECT_EQ(error["inputId"], inputId);
+        EXPECT_THAT(error["message"], HasSubstr("camera position: [0, 1e+"));
+        EXPECT_THAT(error["message"], HasSubstr("allowed: [-10000, -10000, -10000] to [10000, 10000, 10000]"));
+    }
+    EXPECT_EQ(line.socket->headers.back().inputId, 2u);
+    line.look(9);
+    ASSERT_TRUE(line.socket->until([&] { return line.socket->headers.back().inputId == 9; }));
+}
+
 TEST(Session, TooManyPixelsAreRefused) {
     Line line;
     line.session->begin();

@@ -10,6 +10,7 @@ namespace {
 
 constexpr uint32_t COUNTS = 8;   // a tile, as in trace.comp
 constexpr uint32_t CUT_OFF = 6;  // which of them
+constexpr uint32_t UNTRACEABLE = 7;
 constexpr VkBufferUsageFlags STORAGE = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -176,6 +177,7 @@ TileResult Batch::result(size_t index, double batchSeconds) const {
     result.mapped = {sums_.as<const vec4>() + entries_[index].firstPixel, pixelsOf(tiles_[index])};
     const uint32_t* counts = countsOut_.as<const uint32_t>() + index * COUNTS;
     for (size_t kind = 0; kind < result.rays.by.size(); kind++) result.rays.by[kind] = counts[kind];
+    result.rays.untraceable = counts[UNTRACEABLE];
     result.nonfiniteSamples = counts[result.rays.by.size()];
     uint64_t samples = pixelsOf(tiles_[index]) * tiles_[index].sampleCount;
     result.seconds = samples_ > 0 ? batchSeconds * static_cast<double>(samples) / static_cast<double>(samples_) : 0.0;
