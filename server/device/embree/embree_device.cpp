@@ -10,9 +10,9 @@
 #include <pmmintrin.h>
 #include <time.h>
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
-#include <map>
 #include <mutex>
 #include <stdexcept>
 
@@ -29,6 +29,21 @@ double threadSeconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+/// Trees of a scene that are kept for settings in turn: viewers who differ in bvhQuality or robust.
+constexpr size_t MOST_TREES = 3;
+
+/// Denormal numbers count as 0 while it lives, as Embree recommends; the thread's own mode comes back afterwards.
+class FlushDenormals {
+public:
+    FlushDenormals() { _mm_setcsr(before_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }
+    ~FlushDenormals() { _mm_setcsr(before_); }
+    FlushDenormals(const FlushDenormals&) = delete;
+    FlushDenormals& operator=(const FlushDenormals&) = delete;
+
+private:
+    const unsigned before_ = _mm_getcsr();
+};
+
 /// One thread's programs, made when first needed.
 struct Worker {
     std::vector<std::unique_ptr<TileProgram>> programs{tileProgramTable().count};
@@ -42,11 +57,7 @@ class EmbreeDevice : public Device {
 public:
     EmbreeDevice() : device_(rtcNewDevice("set_affinity=0")) {
         if (!device_) throw std::runtime_error("Embree could not start");
-        width_ = nativePacketWidth(device_);
-    }
-    ~EmbreeDevice() override {
-        built_.clear();
-        rtcReleaseDevice(device_);
+        width_ = nativePacketWidth(device_.get());
     }
 
     DeviceInfo info() const override {
@@ -122,8 +133,7 @@ private:
 
     /// Renders tiles of the frame on the calling thread until none is left.
     void renderTiles(Frame& frame, std::span<const Tile> tiles, const TileSink& sink, const std::stop_token& stop) {
-        _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-        _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+        const FlushDenormals flush;
         TileProgram& program = workers_.local().program(frame.program);
         for (size_t i; !stop.stop_requested() && (i = frame.next.fetch_add(1)) < tiles.size();) {
             TileResult result;
@@ -164,18 +174,25 @@ private:
         return build(settings, {});
     }
 
-    // The tree for these settings; built once per quality and robustness.
+    // The tree for these settings. The MOST_TREES used last are kept; one in use lives on until its frames are done.
     std::shared_ptr<EmbreeScene> build(const Settings& settings, const Progress& progress) {
-        std::shared_ptr<EmbreeScene>& scene = built_[{settings.bvhQuality, settings.robust}];
-        if (!scene) scene = std::make_shared<EmbreeScene>(device_, scene_, settings.bvhQuality, settings.robust, progress);
-        return scene;
+        const std::pair key(settings.bvhQuality, settings.robust);
+        auto found = std::ranges::find(built_, key, &Built::first);
+        if (found == built_.end()) {
+            if (built_.size() == MOST_TREES) built_.pop_back();
+            built_.insert(built_.begin(), {key, std::make_shared<EmbreeScene>(device_.get(), scene_, key.first, key.second, progress)});
+        } else {
+            std::rotate(built_.begin(), found, found + 1);
+        }
+        return built_.front().second;
     }
 
-    RTCDevice device_;
+    EmbreeHandle<RTCDevice> device_;  // before what holds scenes of it
     uint32_t width_ = 4;
     std::mutex mutex_;
     std::shared_ptr<const Scene> scene_;
-    std::map<std::pair<uint32_t, bool>, std::shared_ptr<EmbreeScene>> built_;
+    using Built = std::pair<std::pair<uint32_t, bool>, std::shared_ptr<EmbreeScene>>;  // quality and robustness
+    std::vector<Built> built_;  // used last first
     tbb::enumerable_thread_specific<Worker> workers_;
 };
 

@@ -120,26 +120,22 @@ BlockRays makeBlock(const EmbreeScene& scene, const FrameConstants& frame, uvec2
 }  // namespace
 
 struct EmbreeRaw::Data {
-    RTCDevice device = rtcNewDevice("set_affinity=0");
+    EmbreeHandle<RTCDevice> device{rtcNewDevice("set_affinity=0")};  // before the scene of it
     std::unique_ptr<EmbreeScene> scene;
     uint32_t width = 4;
     RayList primary, shadow, occlusion;
-    ~Data() {
-        scene.reset();
-        rtcReleaseDevice(device);
-    }
 };
 
 EmbreeRaw::EmbreeRaw() : data_(std::make_unique<Data>()) {
     if (!data_->device) throw std::runtime_error("Embree could not start");
-    data_->width = nativePacketWidth(data_->device);
+    data_->width = nativePacketWidth(data_->device.get());
 }
 
 EmbreeRaw::~EmbreeRaw() = default;
 
 void EmbreeRaw::prepare(std::shared_ptr<const Scene> scene, const FrameRequest& request) {
     const Settings& settings = request.settings;
-    data_->scene = std::make_unique<EmbreeScene>(data_->device, scene, settings.bvhQuality, settings.robust, Progress{});
+    data_->scene = std::make_unique<EmbreeScene>(data_->device.get(), scene, settings.bvhQuality, settings.robust, Progress{});
     FrameConstants frame = frameConstants(*scene, request);
     uvec2 blocks = (request.resolution + BLOCK - 1u) / BLOCK;
     std::vector<BlockRays> made(size_t(blocks.x) * blocks.y);

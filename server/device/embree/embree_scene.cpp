@@ -2,7 +2,9 @@
 
 #include "server/kernel/kernel.h"
 
+#include <exception>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 
 namespace heliograph {
@@ -54,8 +56,7 @@ void filterTransparent(const RTCFilterFunctionNArguments* args) {
     }
 }
 
-void check(RTCDevice device, const char* what) {
-    RTCError error = rtcGetDeviceError(device);
+void check(RTCError error, const char* what) {
     if (error != RTC_ERROR_NONE)
         throw std::runtime_error(std::string("Embree could not ") + what + " (error " + std::to_string(error) + ")");
 }
@@ -66,10 +67,42 @@ bool hasPlacedInstance(const Scene& scene) {
     return false;
 }
 
-bool continueBuild(void* pointer, double share) {
-    const auto& progress = *static_cast<const Progress*>(pointer);
-    report(progress, "building the acceleration structure", share);
-    return true;
+/// Carries what a caller's progress throws past Embree, which would swallow it.
+class BuildWatch {
+public:
+    explicit BuildWatch(const Progress& progress) : progress_(progress) {}
+
+    /// For Embree, from any of its threads; false ends the build.
+    static bool goOn(void* self, double share) { return static_cast<BuildWatch*>(self)->report(share); }
+    void rethrow() const {
+        if (thrown_) std::rethrow_exception(thrown_);
+    }
+
+private:
+    bool report(double share) {
+        std::lock_guard lock(mutex_);
+        try {
+            if (!thrown_) heliograph::report(progress_, "building the acceleration structure", share);
+        } catch (...) {
+            thrown_ = std::current_exception();
+        }
+        return !thrown_;
+    }
+
+    const Progress& progress_;
+    std::mutex mutex_;
+    std::exception_ptr thrown_;
+};
+
+// Builds the tree of a scene.
+void commit(RTCDevice device, RTCScene scene, const Progress& progress) {
+    BuildWatch watch(progress);
+    if (progress) rtcSetSceneProgressMonitorFunction(scene, BuildWatch::goOn, &watch);
+    rtcCommitScene(scene);
+    rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+    const RTCError error = rtcGetDeviceError(device);
+    watch.rethrow();
+    check(error, "build the acceleration structure");
 }
 
 }  // namespace
@@ -77,27 +110,20 @@ bool continueBuild(void* pointer, double share) {
 EmbreeScene::EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, uint32_t quality, bool robust,
                          const Progress& progress)
     : scene_(std::move(scene)), view_(sceneView(*scene_)), rayReach_(scene_->rayReach()) {
-    meshScenes_.resize(scene_->meshes.size(), nullptr);
+    meshScenes_.resize(scene_->meshes.size());
     for (const Mesh& mesh : scene_->meshes) {
         coherentPrimary_ = coherentPrimary_ && mesh.opacity != OPACITY_MASKED;
         coherentShadows_ = coherentShadows_ && mesh.opacity == OPACITY_OPAQUE;
     }
     if (nativePacketWidth(device) == PACKET && hasPlacedInstance(*scene_)) coherentPrimary_ = coherentShadows_ = false;
     RTCSceneFlags flags = robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE;
-    root_ = rtcNewScene(device);
-    rtcSetSceneFlags(root_, flags);
-    rtcSetSceneBuildQuality(root_, buildQuality(quality));
-    for (uint32_t i = 0; i < scene_->instances.size(); i++) attachInstance(device, i, buildQuality(quality), flags);
-    if (progress) rtcSetSceneProgressMonitorFunction(root_, continueBuild, const_cast<Progress*>(&progress));
-    rtcCommitScene(root_);
-    rtcSetSceneProgressMonitorFunction(root_, nullptr, nullptr);
-    check(device, "build the acceleration structure");
-}
-
-EmbreeScene::~EmbreeScene() {
-    rtcReleaseScene(root_);
-    for (RTCScene mesh : meshScenes_)
-        if (mesh) rtcReleaseScene(mesh);
+    root_.reset(rtcNewScene(device));
+    rtcSetSceneFlags(root_.get(), flags);
+    rtcSetSceneBuildQuality(root_.get(), buildQuality(quality));
+    // Meshes are small beside the whole: the share stays 0, but the caller may end it there.
+    const Progress ofMesh = [&](const std::string& what, double) { report(progress, what, 0.0); };
+    for (uint32_t i = 0; i < scene_->instances.size(); i++) attachInstance(device, i, buildQuality(quality), flags, ofMesh);
+    commit(device, root_.get(), progress);
 }
 
 std::optional<double> EmbreeScene::depthAlong(const ViewRay& ray) const {
@@ -109,8 +135,9 @@ std::optional<double> EmbreeScene::depthAlong(const ViewRay& ray) const {
     return static_cast<double>(packet.ray.tfar[0]) / length;
 }
 
-RTCGeometry EmbreeScene::makeTriangles(RTCDevice device, const Mesh& mesh) {
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+EmbreeHandle<RTCGeometry> EmbreeScene::makeTriangles(RTCDevice device, const Mesh& mesh) {
+    EmbreeHandle<RTCGeometry> handle(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
+    RTCGeometry geometry = handle.get();
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene_->positions.data(), 0,
                                sizeof(vec4), scene_->positions.size() - 1);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
@@ -124,37 +151,34 @@ RTCGeometry EmbreeScene::makeTriangles(RTCDevice device, const Mesh& mesh) {
         rtcSetGeometryOccludedFilterFunction(geometry, filterTransparent);
     }
     rtcCommitGeometry(geometry);
-    return geometry;
+    return handle;
 }
 
-void EmbreeScene::attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags) {
+void EmbreeScene::attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags,
+                                 const Progress& progress) {
     const Instance& instance = scene_->instances[index];
     const Mesh& mesh = scene_->meshes[instance.mesh];
     if (mesh.triangleCount == 0) return;
-    RTCGeometry geometry = nullptr;
+    EmbreeHandle<RTCGeometry> geometry;
     if (instance.flags & INSTANCE_IDENTITY) {
         geometry = makeTriangles(device, mesh);
     } else {
-        RTCScene& meshScene = meshScenes_[instance.mesh];
+        EmbreeHandle<RTCScene>& meshScene = meshScenes_[instance.mesh];
         if (!meshScene) {
-            meshScene = rtcNewScene(device);
-            rtcSetSceneFlags(meshScene, flags);
-            rtcSetSceneBuildQuality(meshScene, quality);
-            RTCGeometry triangles = makeTriangles(device, mesh);
-            rtcAttachGeometry(meshScene, triangles);
-            rtcReleaseGeometry(triangles);
-            rtcCommitScene(meshScene);
-            check(device, "build a mesh");
+            meshScene.reset(rtcNewScene(device));
+            rtcSetSceneFlags(meshScene.get(), flags);
+            rtcSetSceneBuildQuality(meshScene.get(), quality);
+            rtcAttachGeometry(meshScene.get(), makeTriangles(device, mesh).get());
+            commit(device, meshScene.get(), progress);
         }
-        geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, meshScene);
-        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, &instance.toWorld0);
-        rtcSetGeometryMask(geometry, maskOf(mesh.opacity));
-        rtcCommitGeometry(geometry);
+        geometry.reset(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE));
+        rtcSetGeometryInstancedScene(geometry.get(), meshScene.get());
+        rtcSetGeometryTransform(geometry.get(), 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, &instance.toWorld0);
+        rtcSetGeometryMask(geometry.get(), maskOf(mesh.opacity));
+        rtcCommitGeometry(geometry.get());
     }
-    rtcAttachGeometryByID(root_, geometry, index);
-    rtcReleaseGeometry(geometry);
-    check(device, "take a mesh");
+    rtcAttachGeometryByID(root_.get(), geometry.get(), index);
+    check(rtcGetDeviceError(device), "take a mesh");
 }
 
 }  // namespace heliograph

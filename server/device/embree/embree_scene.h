@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <optional>
+#include <type_traits>
 
 namespace heliograph {
 
@@ -17,16 +18,24 @@ constexpr uint32_t MASK_OPAQUE = 1;
 constexpr uint32_t MASK_MASKED = 2;
 constexpr uint32_t MASK_TRANSPARENT = 4;
 
+struct EmbreeRelease {
+    void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+    void operator()(RTCGeometry geometry) const { rtcReleaseGeometry(geometry); }
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+};
+template <typename T>
+using EmbreeHandle = std::unique_ptr<std::remove_pointer_t<T>, EmbreeRelease>;
+
 class EmbreeScene {
 public:
-    /// Builds the tree. quality: 0 low, 1 medium, 2 high. Throws std::runtime_error when Embree refuses.
+    /// Builds the tree. quality: 0 low, 1 medium, 2 high. Throws std::runtime_error when Embree refuses, and what
+    /// `progress` throws.
     EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, uint32_t quality, bool robust,
                 const Progress& progress);
-    ~EmbreeScene();
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-    TraceTarget target() const { return {root_, rayReach_, nullptr}; }
+    TraceTarget target() const { return {root_.get(), rayReach_, nullptr}; }
     const Scene& scene() const { return *scene_; }
     const SceneView& view() const { return view_; }
 
@@ -48,16 +57,17 @@ public:
     }
 
 private:
-    RTCGeometry makeTriangles(RTCDevice device, const Mesh& mesh);
-    void attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags);
+    EmbreeHandle<RTCGeometry> makeTriangles(RTCDevice device, const Mesh& mesh);
+    void attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags,
+                        const Progress& progress);
 
     std::shared_ptr<const Scene> scene_;
     SceneView view_;
     float rayReach_;
-    RTCScene root_ = nullptr;
+    EmbreeHandle<RTCScene> root_;
     bool coherentPrimary_ = true;
     bool coherentShadows_ = true;
-    std::vector<RTCScene> meshScenes_;  // one per mesh that is instanced, else null
+    std::vector<EmbreeHandle<RTCScene>> meshScenes_;  // one per mesh that is instanced, else null
 };
 
 }  // namespace heliograph
