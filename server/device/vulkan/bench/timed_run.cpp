@@ -1,5 +1,7 @@
 #include "server/device/vulkan/bench/timed_run.h"
 
+#include "server/device/vulkan/core/vulkan_handle.h"
+
 #include <chrono>
 
 namespace heliograph {
@@ -12,6 +14,7 @@ std::vector<double> timedRuns(Gpu& gpu, const std::function<void(VkCommandBuffer
     info.queryCount = 2;
     VkQueryPool queries;
     check(vkCreateQueryPool(gpu.handle(), &info, nullptr, &queries), "make timestamps");
+    const OwnedQueryPool owner(gpu.handle(), queries);
     auto once = [&] {
         gpu.runNow([&](VkCommandBuffer commands) {
             vkCmdResetQueryPool(commands, queries, 0, 2);
@@ -29,7 +32,6 @@ std::vector<double> timedRuns(Gpu& gpu, const std::function<void(VkCommandBuffer
     while (Clock::now() < end);
     std::vector<double> seconds;
     for (uint32_t i = 0; i < repetitions; i++) seconds.push_back(once());
-    vkDestroyQueryPool(gpu.handle(), queries, nullptr);
     return seconds;
 }
 

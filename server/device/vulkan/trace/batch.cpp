@@ -33,17 +33,24 @@ uint64_t BatchSize::samples() const {
 }
 
 Batch::Batch(Gpu& gpu, TracePipelines& pipelines, const GpuScene& scene)
-    : gpu_(gpu), pipelines_(pipelines), set_(pipelines.newSet()), commands_(gpu.newCommands()),
-      frame_(gpu, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {
-    scene.bind(set_);
-    VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    queries.queryCount = 2;
-    check(vkCreateQueryPool(gpu.handle(), &queries, nullptr, &queries_), "make timestamps");
+    : gpu_(gpu), pipelines_(pipelines), frame_(gpu, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {
+    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = 2;
+    VkQueryPool queries;
+    check(vkCreateQueryPool(gpu.handle(), &info, nullptr, &queries), "make timestamps");
+    queries_ = {gpu.handle(), queries};
+    set_ = pipelines.newSet();
+    try {
+        scene.bind(set_);
+        commands_ = gpu.newCommands();
+    } catch (...) {
+        pipelines.freeSet(set_);
+        throw;
+    }
 }
 
 Batch::~Batch() {
-    vkDestroyQueryPool(gpu_.handle(), queries_, nullptr);
     gpu_.freeCommands(commands_);
     pipelines_.freeSet(set_);
 }
@@ -134,8 +141,8 @@ void Batch::record(VkPipeline pipeline, VkPipeline single) {
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(commands_, &begin), "record");
     uint64_t counts = tiles_.size() * COUNTS * sizeof(uint32_t);
-    vkCmdResetQueryPool(commands_, queries_, 0, 2);
-    vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_, 0);
+    vkCmdResetQueryPool(commands_, queries_.get(), 0, 2);
+    vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_.get(), 0);
     vkCmdFillBuffer(commands_, counts_.handle(), 0, counts, 0);
     VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
     barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -155,7 +162,7 @@ void Batch::record(VkPipeline pipeline, VkPipeline single) {
     barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
     vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0,
                          nullptr);
-    vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_, 1);
+    vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_.get(), 1);
     check(vkEndCommandBuffer(commands_), "record");
 }
 
@@ -164,7 +171,7 @@ double Batch::finish() {
     number_ = 0;
     double wall = now() - submittedAt_;
     uint64_t stamps[2] = {0, 0};
-    VkResult read = vkGetQueryPoolResults(gpu_.handle(), queries_, 0, 2, sizeof stamps, stamps, sizeof(uint64_t),
+    VkResult read = vkGetQueryPoolResults(gpu_.handle(), queries_.get(), 0, 2, sizeof stamps, stamps, sizeof(uint64_t),
                                           VK_QUERY_RESULT_64_BIT);
     if (read == VK_SUCCESS && stamps[1] > stamps[0] && gpu_.limits().timestampPeriod > 0.0f)
         return static_cast<double>(stamps[1] - stamps[0]) * gpu_.limits().timestampPeriod * 1e-9;

@@ -65,7 +65,7 @@ private:
     TracePipelines& pipelines_;
     VkDescriptorSet set_;
     VkCommandBuffer commands_;
-    VkQueryPool queries_ = VK_NULL_HANDLE;
+    OwnedQueryPool queries_;
     GpuBuffer frame_, tileList_, sums_, counts_, countsOut_;
     std::vector<Tile> tiles_;        // once submitted: those of the first program, then those of the second
     std::vector<Tile> singleTiles_;  // until then

@@ -4,6 +4,7 @@
 #include "server/device/vulkan/tree/bvh_builder.h"
 #include "server/scene/kernel_tables.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace heliograph {
@@ -65,12 +66,36 @@ void GpuScene::put(uint32_t index, const char* what, const T* data, size_t count
     VkBufferUsageFlags usage = texels                                       ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
                                : type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT
                                                                             : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    buffers_[index] = gpu_.filled(data, bytes, usage);
-    if (texels) views_[index] = view(buffers_[index], FORMAT);
+    auto array = std::make_shared<Array>(gpu_.filled(data, bytes, usage));
+    if (texels) array->view = view(array->buffer, FORMAT);
+    arrays_[index] = std::move(array);
 }
 
 GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress)
-    : gpu_(gpu), scene_(std::move(scene)), bvhWidth_(widthFor(gpu.physical())) {
+    : gpu_(gpu), scene_(std::move(scene)), bvhWidth_(widthFor(gpu.physical())), varieties_(varietiesOf(*scene_)) {
+    putTrees(quality, progress);
+    const double begin = now();
+    putArrays();
+    uploadSeconds_ += now() - begin;
+}
+
+GpuScene::GpuScene(const GpuScene& other, uint32_t quality, const Progress& progress)
+    : gpu_(other.gpu_), scene_(other.scene_), bvhWidth_(other.bvhWidth_), varieties_(other.varieties_) {
+    std::ranges::copy(other.arrays_, arrays_);
+    putTrees(quality, progress);
+}
+
+GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress)
+    : gpu_(gpu), scene_(std::move(scene)) {
+    double begin = now();
+    report(progress, "uploading the scene", 0.0);
+    put(binding::INSTANCES, "instances", scene_->instances.data(), scene_->instances.size());
+    putArrays();
+    uploadSeconds_ = now() - begin;
+}
+
+// Builds the trees and uploads them, with the instances, which know their roots.
+void GpuScene::putTrees(uint32_t quality, const Progress& progress) {
     double begin = now();
     BvhOptions options;
     options.width = bvhWidth_;
@@ -78,39 +103,25 @@ GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t qualit
     options.quality = quality;
     Bvh bvh = buildBvh(*scene_, options, progress);
     stackDepth_ = bvh.stackDepth;
-    varieties_ = varietiesOf(*scene_);
     double built = now();
     buildSeconds_ = built - begin;
     report(progress, "uploading the scene", 0.8);
     std::vector<Instance> instances = scene_->instances;
     for (Instance& instance : instances) instance.root = bvh.meshRoots[instance.mesh];
-    try {
-        putArrays(std::move(instances));
-        put(binding::BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
-        put(binding::BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
-    } catch (...) {
-        dropViews();
-        throw;
-    }
+    put(binding::INSTANCES, "instances", instances.data(), instances.size());
+    put(binding::BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
+    put(binding::BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
     uploadSeconds_ = now() - built;
 }
 
-GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress)
-    : gpu_(gpu), scene_(std::move(scene)) {
-    double begin = now();
-    report(progress, "uploading the scene", 0.0);
-    putArrays(scene_->instances);
-    uploadSeconds_ = now() - begin;
-}
-
-void GpuScene::putArrays(std::vector<Instance> instances) {
+// What is the same for all trees.
+void GpuScene::putArrays() {
     const Scene& s = *scene_;
     put(binding::POSITIONS, "vertices", s.positions.data(), s.positions.size());
     put(binding::ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
     put(binding::TANGENTS, "tangents", s.tangents.data(), s.tangents.size());
     put(binding::TRIANGLES, "triangles", s.triangles.data(), s.triangles.size());
     put(binding::MESHES, "meshes", s.meshes.data(), s.meshes.size());
-    put(binding::INSTANCES, "instances", instances.data(), instances.size());
     put(binding::MATERIALS, "materials", s.materials.data(), s.materials.size());
     put(binding::TEXTURES, "textures", s.textures.data(), s.textures.size());
     put(binding::IMAGES, "images", s.images.data(), s.images.size());
@@ -121,20 +132,14 @@ void GpuScene::putArrays(std::vector<Instance> instances) {
     put(binding::SOBOL, "sample points", sobolTable().data(), sobolTable().size());
 }
 
-GpuScene::~GpuScene() { dropViews(); }
-
-void GpuScene::dropViews() {
-    for (VkBufferView view : views_) vkDestroyBufferView(gpu_.handle(), view, nullptr);
-}
-
-VkBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {
+OwnedBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {
     VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
     info.buffer = buffer.handle();
     info.format = format;
     info.range = VK_WHOLE_SIZE;
     VkBufferView view;
     check(vkCreateBufferView(gpu_.handle(), &info, nullptr, &view), "make a view of a buffer");
-    return view;
+    return {gpu_.handle(), view};
 }
 
 void GpuScene::bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const {
@@ -151,6 +156,7 @@ void GpuScene::bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const {
 
 void GpuScene::bindUpTo(VkDescriptorSet set, uint32_t last) const {
     VkDescriptorBufferInfo infos[binding::COUNT];
+    VkBufferView views[binding::COUNT];
     std::vector<VkWriteDescriptorSet> writes;
     for (uint32_t i = binding::POSITIONS; i <= last; i++) {
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
@@ -158,9 +164,10 @@ void GpuScene::bindUpTo(VkDescriptorSet set, uint32_t last) const {
         write.dstBinding = i;
         write.descriptorCount = 1;
         write.descriptorType = descriptorType(i, bvhWidth_);
-        infos[i] = {buffers_[i].handle(), 0, VK_WHOLE_SIZE};
+        infos[i] = {arrays_[i]->buffer.handle(), 0, VK_WHOLE_SIZE};
+        views[i] = arrays_[i]->view.get();
         write.pBufferInfo = &infos[i];
-        write.pTexelBufferView = &views_[i];
+        write.pTexelBufferView = &views[i];
         writes.push_back(write);
     }
     vkUpdateDescriptorSets(gpu_.handle(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);

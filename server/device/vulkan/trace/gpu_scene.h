@@ -3,6 +3,7 @@
 
 #include "server/device/vulkan/tree/bvh_layout.h"
 #include "server/device/vulkan/core/gpu.h"
+#include "server/device/vulkan/core/vulkan_handle.h"
 #include "server/base/progress.h"
 #include "server/scene/scene.h"
 
@@ -18,14 +19,19 @@ constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIAN
 /// VARIETY_* bits of what a scene's materials, textures and images do.
 uint32_t varietiesOf(const Scene& scene);
 
+/// Qualities of the trees here: high is the same as medium.
+inline uint32_t treeQuality(uint32_t bvhQuality) { return bvhQuality == 0 ? 0 : 1; }
+constexpr uint32_t TREE_QUALITIES = 2;
+
 class GpuScene {
 public:
-    /// Builds the trees and uploads. quality: 0 low, 1 medium, 2 high. Throws InputError for a scene that does not fit the
+    /// Builds the trees and uploads. quality: treeQuality. Throws InputError for a scene that does not fit the
     /// device's buffers, naming the array; VulkanError when memory runs out.
     GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress);
+    /// Other trees over the arrays of `other`, which both share.
+    GpuScene(const GpuScene& other, uint32_t quality, const Progress& progress);
     /// The arrays alone, without trees, all as storage buffers: what drawing needs.
     GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress);
-    ~GpuScene();
     GpuScene(const GpuScene&) = delete;
     GpuScene& operator=(const GpuScene&) = delete;
 
@@ -47,12 +53,12 @@ public:
     static VkDescriptorType descriptorType(uint32_t index, uint32_t width);
 
 private:
-    void putArrays(std::vector<Instance> instances);
-    void dropViews();
+    void putArrays();
+    void putTrees(uint32_t quality, const Progress& progress);
     void bindUpTo(VkDescriptorSet set, uint32_t last) const;
     template <typename T>
     void put(uint32_t index, const char* what, const T* data, size_t count);
-    VkBufferView view(const GpuBuffer& buffer, VkFormat format) const;
+    OwnedBufferView view(const GpuBuffer& buffer, VkFormat format) const;
 
     Gpu& gpu_;
     std::shared_ptr<const Scene> scene_;
@@ -61,8 +67,11 @@ private:
     uint32_t varieties_ = 0;
     double buildSeconds_ = 0.0;
     double uploadSeconds_ = 0.0;
-    GpuBuffer buffers_[binding::COUNT];
-    VkBufferView views_[binding::COUNT] = {};
+    struct Array {
+        GpuBuffer buffer;
+        OwnedBufferView view;  // of arrays that are read as texels
+    };
+    std::shared_ptr<const Array> arrays_[binding::COUNT];
 };
 
 }  // namespace heliograph

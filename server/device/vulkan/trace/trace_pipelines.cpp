@@ -3,12 +3,14 @@
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/spirv_exact.h"
 
+#include <algorithm>
+
 namespace heliograph {
 
 namespace {
 
+constexpr size_t WIDE = 4;  // which of a key's numbers
 constexpr uint32_t ALPHA_LAYERS = 16;  // MAX_ALPHA_LAYERS of kernel/whitted.glsl
-constexpr uint32_t SETS = 4;
 
 uint32_t roundUp(uint32_t n, uint32_t step) { return (n + step - 1) / step * step; }
 
@@ -33,90 +35,117 @@ bool pathsGoOn(EffectSet effects) {
     return (effects.bits & (EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND | EFFECT_INDIRECT_LIGHT)) != 0;
 }
 
-TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint32_t> other) : gpu_(gpu) {
+TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::span<const uint32_t> other)
+    : gpu_(gpu), sets_(sets) {
+    const VkDevice device = gpu.handle();
     VkDescriptorSetLayoutBinding bindings[binding::COUNT];
     std::vector<VkDescriptorPoolSize> sizes;
     for (uint32_t i = 0; i < binding::COUNT; i++) {
         VkDescriptorType type = GpuScene::descriptorType(i, bvhWidth);
         bindings[i] = {i, type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
-        sizes.push_back({type, SETS});
+        sizes.push_back({type, sets});
     }
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = binding::COUNT;
     set.pBindings = bindings;
-    check(vkCreateDescriptorSetLayout(gpu.handle(), &set, nullptr, &setLayout_), "lay out descriptors");
+    VkDescriptorSetLayout setLayout;
+    check(vkCreateDescriptorSetLayout(device, &set, nullptr, &setLayout), "lay out descriptors");
+    setLayout_ = {device, setLayout};
     VkPushConstantRange constants{VK_SHADER_STAGE_COMPUTE_BIT, 0, 2 * sizeof(uint32_t)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 1;
-    layout.pSetLayouts = &setLayout_;
+    layout.pSetLayouts = &setLayout;
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &constants;
-    check(vkCreatePipelineLayout(gpu.handle(), &layout, nullptr, &layout_), "lay out a pipeline");
-    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
-    pool.maxSets = SETS;
-    pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
-    pool.pPoolSizes = sizes.data();
-    check(vkCreateDescriptorPool(gpu.handle(), &pool, nullptr, &pool_), "make a descriptor pool");
+    VkPipelineLayout pipelineLayout;
+    check(vkCreatePipelineLayout(device, &layout, nullptr, &pipelineLayout), "lay out a pipeline");
+    layout_ = {device, pipelineLayout};
+    VkDescriptorPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    poolInfo.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
+    poolInfo.maxSets = sets;
+    poolInfo.poolSizeCount = static_cast<uint32_t>(sizes.size());
+    poolInfo.pPoolSizes = sizes.data();
+    VkDescriptorPool pool;
+    check(vkCreateDescriptorPool(device, &poolInfo, nullptr, &pool), "make a descriptor pool");
+    pool_ = {device, pool};
     if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4 : shaders::traceWide2;
     std::vector<uint32_t> code = withoutContraction(other);
-    VkShaderModuleCreateInfo module{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    module.codeSize = code.size() * sizeof(uint32_t);
-    module.pCode = code.data();
-    check(vkCreateShaderModule(gpu.handle(), &module, nullptr, &module_), "take the tracer's shader");
-}
-
-TracePipelines::~TracePipelines() {
-    for (const auto& [key, pipeline] : pipelines_) vkDestroyPipeline(gpu_.handle(), pipeline, nullptr);
-    vkDestroyShaderModule(gpu_.handle(), module_, nullptr);
-    vkDestroyDescriptorPool(gpu_.handle(), pool_, nullptr);
-    vkDestroyPipelineLayout(gpu_.handle(), layout_, nullptr);
-    vkDestroyDescriptorSetLayout(gpu_.handle(), setLayout_, nullptr);
+    VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    moduleInfo.codeSize = code.size() * sizeof(uint32_t);
+    moduleInfo.pCode = code.data();
+    VkShaderModule module;
+    check(vkCreateShaderModule(device, &moduleInfo, nullptr, &module), "take the tracer's shader");
+    module_ = {device, module};
 }
 
 VkDescriptorSet TracePipelines::newSet() {
+    if (setsInUse_ == sets_) throw VulkanError(VK_ERROR_OUT_OF_POOL_MEMORY, "make a descriptor set");
     VkDescriptorSetAllocateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    info.descriptorPool = pool_;
+    info.descriptorPool = pool_.get();
     info.descriptorSetCount = 1;
-    info.pSetLayouts = &setLayout_;
+    const VkDescriptorSetLayout layout = setLayout_.get();
+    info.pSetLayouts = &layout;
     VkDescriptorSet set;
     check(vkAllocateDescriptorSets(gpu_.handle(), &info, &set), "make a descriptor set");
+    setsInUse_++;
     return set;
 }
 
-void TracePipelines::freeSet(VkDescriptorSet set) { vkFreeDescriptorSets(gpu_.handle(), pool_, 1, &set); }
+void TracePipelines::freeSet(VkDescriptorSet set) {
+    vkFreeDescriptorSets(gpu_.handle(), pool_.get(), 1, &set);
+    setsInUse_--;
+}
 
 TracePipelines::Key TracePipelines::keyOf(const Kind& kind) {
     return {kind.effects.bits, kind.pathStack, roundUp(kind.bvhStack, 16), kind.varieties, kind.wide, kind.single};
 }
 
-VkPipeline TracePipelines::find(const Kind& kind) const {
+VkPipeline TracePipelines::find(const Kind& kind) {
     std::lock_guard lock(mutex_);
     auto found = pipelines_.find(keyOf(kind));
-    return found != pipelines_.end() ? found->second : VK_NULL_HANDLE;
+    if (found == pipelines_.end()) return VK_NULL_HANDLE;
+    found->second.lastUse = ++uses_;
+    return found->second.pipeline.get();
 }
 
 VkPipeline TracePipelines::get(const Kind& kind) {
     if (VkPipeline there = find(kind)) return there;
     const Key key = keyOf(kind);
-    VkPipeline made = make(key);
+    OwnedPipeline made = make(key);
     gpu_.pipelineCache().keep();
     std::lock_guard lock(mutex_);
-    auto [entry, isNew] = pipelines_.emplace(key, made);
-    if (!isNew) vkDestroyPipeline(gpu_.handle(), made, nullptr);  // somebody else was first
-    return entry->second;
+    // Somebody else may have been first.
+    return pipelines_.try_emplace(key, Made{std::move(made), ++uses_}).first->second.pipeline.get();
 }
 
-VkPipeline TracePipelines::make(const Key& constants) const {
+size_t TracePipelines::trim(size_t most) {
+    std::lock_guard lock(mutex_);
+    std::vector<std::pair<uint64_t, Key>> byUse;
+    for (const auto& [key, made] : pipelines_) {
+        if (key[WIDE] == 0) byUse.push_back({made.lastUse, key});
+    }
+    if (byUse.size() <= most) return 0;
+    const size_t gone = byUse.size() - most;
+    std::ranges::nth_element(byUse, byUse.begin() + static_cast<ptrdiff_t>(gone));
+    for (size_t i = 0; i < gone; i++) pipelines_.erase(byUse[i].second);
+    return gone;
+}
+
+size_t TracePipelines::count() const {
+    std::lock_guard lock(mutex_);
+    return pipelines_.size();
+}
+
+OwnedPipeline TracePipelines::make(const Key& constants) const {
     const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}, {5, 20, 4}};
     VkSpecializationInfo specialization{6, entries, sizeof constants, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module_, "main",
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module_.get(), "main",
                   &specialization};
-    info.layout = layout_;
+    info.layout = layout_.get();
     VkPipeline pipeline;
     check(vkCreateComputePipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, &pipeline), "compile the tracer");
-    return pipeline;
+    return {gpu_.handle(), pipeline};
 }
 
 }  // namespace heliograph

@@ -1,7 +1,9 @@
 #pragma once
-// The tracer's compute pipelines, one for each set of effects and size of stacks, made when first needed and kept. A wide one
+// The tracer's compute pipelines, one for each set of effects and size of stacks, made when first needed; the
+// ones used last are kept. A wide one
 // serves every request whose effects are among its own, slower than one made for the request alone, with the same picture.
 
+#include "server/device/vulkan/core/vulkan_handle.h"
 #include "server/device/vulkan/trace/gpu_scene.h"
 #include "server/request/frame_request.h"
 
@@ -21,13 +23,13 @@ bool pathsGoOn(EffectSet effects);
 
 class TracePipelines {
 public:
-    /// bvhWidth: 2 or 4, as the scene's. `code`: another shader over the same bindings; its constant 1 is then free.
-    TracePipelines(Gpu& gpu, uint32_t bvhWidth, std::span<const uint32_t> code = {});
-    ~TracePipelines();
+    /// bvhWidth: 2 or 4, as the scene's. `sets`: how many there are at most at a time. `code`: another shader over the same bindings; its constant 1 is then free.
+    TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::span<const uint32_t> code = {});
     TracePipelines(const TracePipelines&) = delete;
     TracePipelines& operator=(const TracePipelines&) = delete;
 
-    VkPipelineLayout layout() const { return layout_; }
+    VkPipelineLayout layout() const { return layout_.get(); }
+    /// Throws VulkanError when there are `sets` already, also where the driver would give more.
     VkDescriptorSet newSet();
     void freeSet(VkDescriptorSet set);
     /// What a pipeline is made for. `varieties`: VARIETY_* bits; code for others is left out.
@@ -42,20 +44,30 @@ public:
     /// Compiles at the first call; calls for pipelines that are there do not wait for that. Safe from several threads.
     VkPipeline get(const Kind& kind);
     /// Null where it is not there yet.
-    VkPipeline find(const Kind& kind) const;
+    VkPipeline find(const Kind& kind);
+    /// Lets go of all but the `most` used last; wide ones stay. Only while no pipeline is in use. Returns how many went.
+    size_t trim(size_t most);
+    size_t count() const;
 
 private:
     using Key = std::array<uint32_t, 6>;  // as in Kind: the values of the shader's constants
     static Key keyOf(const Kind& kind);
-    VkPipeline make(const Key& constants) const;
+    OwnedPipeline make(const Key& constants) const;
 
     Gpu& gpu_;
-    VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkDescriptorPool pool_ = VK_NULL_HANDLE;
-    VkShaderModule module_ = VK_NULL_HANDLE;
+    const uint32_t sets_;
+    uint32_t setsInUse_ = 0;
+    OwnedDescriptorSetLayout setLayout_;
+    OwnedPipelineLayout layout_;
+    OwnedDescriptorPool pool_;
+    OwnedShaderModule module_;
+    struct Made {
+        OwnedPipeline pipeline;
+        uint64_t lastUse = 0;
+    };
     mutable std::mutex mutex_;  // of the map
-    std::map<Key, VkPipeline> pipelines_;
+    std::map<Key, Made> pipelines_;
+    uint64_t uses_ = 0;
 };
 
 }  // namespace heliograph

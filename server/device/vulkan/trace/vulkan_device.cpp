@@ -27,6 +27,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr size_t IN_FLIGHT = 2;
+constexpr size_t MOST_PIPELINES = 64;  // programs for sets of effects that are kept
 constexpr int ADDERS = 2;           // threads of a stream that add its results to the film
 constexpr uint64_t OVERLAPPED = 4;  // batches of a frame on a GPU
 constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to reach its clock
@@ -35,7 +36,7 @@ class VulkanDevice : public Device {
 public:
     VulkanDevice(const std::string& which, const VulkanOptions& options)
         : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all), context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
-          pipelines_(gpu_, GpuScene::widthFor(gpu_.physical())), alwaysStandsBy_(options.alwaysStandsBy) {
+          pipelines_(gpu_, GpuScene::widthFor(gpu_.physical()), IN_FLIGHT * TREE_QUALITIES), alwaysStandsBy_(options.alwaysStandsBy) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
         name_ = "vulkan:" + std::to_string(gpu_.physical().index);
@@ -64,6 +65,7 @@ public:
     void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
         std::unique_lock lock(mutex_);
         untilIdle(lock);
+        trimPipelines();
         residents_.clear();
         {
             std::lock_guard warm(warmMutex_);
@@ -93,6 +95,7 @@ public:
         std::unique_lock lock(mutex_);
         if (!source_) throw std::logic_error("render before load");
         untilIdle(lock);
+        trimPipelines();
         try {
             renderAll(residentFor(request.settings, {}), request, tiles, sink, stop);
         } catch (...) {
@@ -181,7 +184,7 @@ private:
     /// What tells the programs of requests apart, beside what belongs to the scene.
     using WarmKey = std::array<uint32_t, 3>;
     static WarmKey warmKey(const FrameRequest& request) {
-        return {request.effects.bits, pathStackSize(request.effects, request.settings), request.settings.bvhQuality};
+        return {request.effects.bits, pathStackSize(request.effects, request.settings), treeQuality(request.settings.bvhQuality)};
     }
 
     // On a processor Embree is faster than such programs would be, and each takes seconds to compile at its first dispatch.
@@ -194,7 +197,7 @@ private:
         uint32_t pathStack = 0;
         uint32_t quality = 0;  // of the trees, whose depth is compiled in
         bool serves(const FrameRequest& request) const {
-            return request.settings.bvhQuality == quality && (request.effects.bits & ~effects.bits) == 0 &&
+            return treeQuality(request.settings.bvhQuality) == quality && (request.effects.bits & ~effects.bits) == 0 &&
                    pathStackSize(request.effects, request.settings) <= pathStack;
         }
     };
@@ -218,12 +221,14 @@ private:
     };
 
     Resident& residentFor(const Settings& settings, const Progress& progress) {
-        auto found = residents_.find(settings.bvhQuality);
+        const uint32_t quality = treeQuality(settings.bvhQuality);
+        auto found = residents_.find(quality);
         if (found != residents_.end()) return found->second;
         Resident made;
-        made.scene = std::make_unique<GpuScene>(gpu_, source_, settings.bvhQuality, progress);
+        made.scene = residents_.empty() ? std::make_unique<GpuScene>(gpu_, source_, quality, progress)
+                                        : std::make_unique<GpuScene>(*residents_.begin()->second.scene, quality, progress);
         for (size_t i = 0; i < IN_FLIGHT; i++) made.batches.push_back(std::make_unique<Batch>(gpu_, pipelines_, *made.scene));
-        return residents_.emplace(settings.bvhQuality, std::move(made)).first->second;
+        return residents_.emplace(quality, std::move(made)).first->second;
     }
 
     // Submits as many tiles as make a batch, in one that nobody else uses.
@@ -237,6 +242,7 @@ private:
                 if (!inUse_.contains(candidate.get())) batch = candidate.get();
             return batch != nullptr;
         });
+        if (inUse_.empty()) trimPipelines();
         inUse_.insert(batch);
         try {
             const VkPipeline single = singleFor(resident, request);
@@ -268,6 +274,13 @@ private:
     // Streams are over; with the lock held no new one begins.
     void untilIdle(std::unique_lock<std::mutex>& lock) {
         idle_.wait(lock, [&] { return inUse_.empty(); });
+    }
+
+    // Nothing is in flight, and the lock is held.
+    void trimPipelines() {
+        if (pipelines_.trim(MOST_PIPELINES) == 0) return;
+        std::lock_guard lock(warmMutex_);
+        warm_.clear();
     }
 
     VkPipeline pipelineFor(const Resident& resident, const FrameRequest& request) {
@@ -384,7 +397,7 @@ private:
     std::string name_, silicon_;
     TracePipelines pipelines_;
     std::shared_ptr<const Scene> source_;
-    std::map<uint32_t, Resident> residents_;  // by bvhQuality
+    std::map<uint32_t, Resident> residents_;  // by treeQuality
     BatchSize size_;
     std::atomic<double> batchSeconds_{0.0};
     const bool alwaysStandsBy_;

@@ -187,6 +187,65 @@ TEST_F(Vulkan, TheQualityOfTheTreesFollowsTheSettings) {
     }
 }
 
+TEST_F(Vulkan, OtherTreesShareTheArrays) {
+    Gpu gpu(context_, context_->find(""));
+    const auto scene = openScene("courtyard");
+    const uint64_t none = gpu.allocatedBytes();
+    auto first = std::make_unique<GpuScene>(gpu, scene, 1, Progress{});
+    const uint64_t one = gpu.allocatedBytes() - none;
+    GpuScene second(*first, 1, Progress{});
+    const uint64_t both = gpu.allocatedBytes() - none;
+    const uint64_t arrays = scene->bytes() - scene->instances.size() * sizeof(Instance);
+    EXPECT_GE(one, arrays);
+    EXPECT_LE(both, 2 * one - arrays);
+    first.reset();  // what both have in common stays
+    EXPECT_GE(gpu.allocatedBytes() - none, arrays);
+}
+
+TEST_F(Vulkan, ThereAreAsManySetsAsWereAskedForAndNoMore) {
+    Gpu gpu(context_, context_->find(""));
+    TracePipelines pipelines(gpu, GpuScene::widthFor(gpu.physical()), 2);
+    const VkDescriptorSet a = pipelines.newSet();
+    pipelines.newSet();
+    EXPECT_THROW(pipelines.newSet(), VulkanError);
+    pipelines.freeSet(a);
+    EXPECT_NO_THROW(pipelines.newSet());
+}
+
+TEST_F(Vulkan, PipelinesThatWereUsedLongAgoGo) {
+    Gpu gpu(context_, context_->find(""));
+    TracePipelines pipelines(gpu, GpuScene::widthFor(gpu.physical()), 1);
+    auto kind = [](uint32_t effects, bool wide) { return TracePipelines::Kind{{effects}, 1, 16, 0, wide}; };
+    for (uint32_t effects : {0u, uint32_t(EFFECT_SHADOWS)}) pipelines.get(kind(effects, false));
+    pipelines.get(kind(0, true));
+    pipelines.get(kind(0, false));  // used again
+    EXPECT_EQ(pipelines.trim(2), 0u);
+    EXPECT_EQ(pipelines.trim(1), 1u);
+    EXPECT_EQ(pipelines.count(), 2u);
+    EXPECT_EQ(pipelines.find(kind(EFFECT_SHADOWS, false)), VkPipeline(VK_NULL_HANDLE));
+    EXPECT_NE(pipelines.find(kind(0, false)), VkPipeline(VK_NULL_HANDLE));
+    EXPECT_NE(pipelines.find(kind(0, true)), VkPipeline(VK_NULL_HANDLE));
+}
+
+TEST_F(Vulkan, RaysOutOfReachMeetNothingAsOnTheProcessor) {
+    const auto scene = placedScene();
+    const Settings settings = occludedSettings();
+    const auto gpu = makeVulkanDevice("", checked()), cpu = makeEmbreeDevice();
+    for (Device* device : {gpu.get(), cpu.get()}) device->load(scene, settings, {});
+    for (float distance : {0.5f, 1.5f, 1e10f, 3e19f}) {  // times the reach
+        FrameRequest request = requestFor(*scene, settings, {16, 16});
+        request.camera.position = vec3(0.0f, 0.0f, distance * scene->rayReach());
+        Film onGpu, onCpu;
+        const FrameStats gpuStats = renderFrame(*gpu, request, 1, onGpu), cpuStats = renderFrame(*cpu, request, 1, onCpu);
+        EXPECT_EQ(gpuStats.rays.untraceable, distance > 1.0f ? 256u : 0u) << distance;
+        EXPECT_EQ(cpuStats.rays.untraceable, gpuStats.rays.untraceable) << distance;
+        std::vector<vec4> a, b;
+        onGpu.develop(a);
+        onCpu.develop(b);
+        EXPECT_EQ(differing(a, b), 0u) << distance;
+    }
+}
+
 TEST_F(Vulkan, InstancesStayInstancesAndLookTheSame) {
     auto scene = placedScene();
     ASSERT_GE(scene->instances.size(), 10u);
