@@ -366,7 +366,7 @@ TEST(Session, ACameraOutOfReachIsRefusedAndTheLastOneStays) {
     line.look(2);
     ASSERT_TRUE(line.socket->until([&] { return !line.socket->headers.empty() && line.socket->headers.back().inputId == 2; }));
     uint32_t inputId = 2;
-    for (double far : {1e6, 1e19, 3e38}) {
+    for (double far : {1e6, 1e19, 1e38}) {
         line.say({{"type", "camera"}, {"inputId", ++inputId}, {"position", {0, far, 0}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}},
                   {"fieldOfView", 60}, {"moving", false}});
         const json error = line.socket->last("error");
