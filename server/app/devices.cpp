@@ -32,6 +32,8 @@ std::string joined(const std::vector<std::string>& words) {
     return line;
 }
 
+}  // namespace
+
 std::unique_ptr<Device> makeNamed(const std::string& word) {
     const size_t colon = word.find(':');
     const std::string name = word.substr(0, colon);
@@ -41,6 +43,8 @@ std::unique_ptr<Device> makeNamed(const std::string& word) {
 #include "server/request/device_table.inc"
     throw InputError("device", word, "a row of device_table.inc");
 }
+
+namespace {
 
 /// A device switch with a scheduler of its own.
 class CommandDevice : public Device {

@@ -8,6 +8,8 @@
 
 namespace heliograph {
 
+/// A device by its name, "embree" or "vulkan:0". Throws InputError where there is none such, std::runtime_error if it cannot start.
+std::unique_ptr<Device> makeNamed(const std::string& word);
 /// The device that each request's setting `device` means; auto is a GPU where there is one, else the CPU, hybrid all of them.
 /// Behind a Vulkan device stands the CPU, should it fail. For commands: hybrid waits until all its devices are ready.
 /// Throws InputError where the one of `settings` is not there.

@@ -1,7 +1,8 @@
 #include "server/app/devices_command.h"
 
-#include "server/device/embree/embree_device.h"
+#include "server/app/devices.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
+#include "server/request/device_rows.h"
 
 #include <CLI/CLI.hpp>
 
@@ -12,10 +13,11 @@ namespace heliograph {
 
 namespace {
 
-nlohmann::ordered_json embreeRow() {
-    nlohmann::ordered_json row = {{"name", "embree"}, {"kind", "embree"}};
+/// A device that no driver has to be asked for.
+nlohmann::ordered_json ownRow(const std::string& name) {
+    nlohmann::ordered_json row = {{"name", name}, {"kind", name}};
     try {
-        DeviceInfo info = makeEmbreeDevice()->info();
+        DeviceInfo info = makeNamed(name)->info();
         row["details"] = info.details;
         row["threads"] = info.workers;
         row["refused"] = nullptr;
@@ -47,7 +49,10 @@ std::string mebibytes(const nlohmann::ordered_json& bytes) { return std::to_stri
 }  // namespace
 
 nlohmann::ordered_json deviceList() {
-    nlohmann::ordered_json list = nlohmann::ordered_json::array({embreeRow()});
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const DeviceRow& row : deviceRows()) {
+        if (row.kind == DeviceKind::processor) list.push_back(ownRow(std::string(row.name)));
+    }
     std::string why;
     for (const PhysicalDevice& device : listVulkanDevices(why)) list.push_back(vulkanRow(device));
     if (!why.empty()) list.push_back({{"name", "vulkan"}, {"kind", "vulkan"}, {"refused", why}});
