@@ -1,6 +1,8 @@
-# A relocatable folder: `cmake --install BUILD --component bench --prefix FOLDER` (the GPU benchmark alone, a few
-# libraries) or `--component server` (everything). Each holds bin/ and lib/ with every library but glibc's; a machine needs
-# Linux with glibc 2.36 or newer and, for GPUs, the vendor's Vulkan driver. cpack -G TGZ packs each component.
+# A relocatable folder: `cmake --install BUILD --strip --prefix FOLDER --component NAME`. NAME is `server` (the whole program
+# but for Radiance HDR and OpenEXR pictures), `images` (the picture module that reads and writes those, with its 240 libraries:
+# installed over the server's folder) or `bench` (the GPU benchmark alone). Each holds every library but glibc's; a machine
+# needs Linux with glibc 2.36 or newer and, for GPUs, the vendor's Vulkan driver. cpack packs each component.
+set(HELIOGRAPH_SYSTEM_LIBRARIES "/(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util|mvec))\\\\.so[.0-9]*$")
 function(heliograph_bundle component target)
   # The old kind of run path also serves the libraries that libraries need.
   set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN/../lib")
@@ -9,7 +11,7 @@ function(heliograph_bundle component target)
   install(CODE "
     file(GET_RUNTIME_DEPENDENCIES EXECUTABLES \"$<TARGET_FILE:${target}>\" ${ARGN}
       RESOLVED_DEPENDENCIES_VAR found UNRESOLVED_DEPENDENCIES_VAR missing
-      POST_EXCLUDE_REGEXES \"/(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util|mvec))\\\\.so[.0-9]*$\")
+      POST_EXCLUDE_REGEXES \"${HELIOGRAPH_SYSTEM_LIBRARIES}\")
     if(missing)
       message(FATAL_ERROR \"not found: \${missing}\")
     endif()
@@ -17,8 +19,21 @@ function(heliograph_bundle component target)
 endfunction()
 
 heliograph_bundle(server heliograph)
+# The module and what it needs beyond the server's libraries, in a folder of its own.
+set_target_properties(heliograph-images PROPERTIES INSTALL_RPATH "$ORIGIN:$ORIGIN/..")
+target_link_options(heliograph-images PRIVATE -Wl,--disable-new-dtags)
+install(TARGETS heliograph-images LIBRARY DESTINATION lib/heliograph COMPONENT images)
+install(CODE "
+  file(GET_RUNTIME_DEPENDENCIES EXECUTABLES \"$<TARGET_FILE:heliograph>\" RESOLVED_DEPENDENCIES_VAR there)
+  file(GET_RUNTIME_DEPENDENCIES MODULES \"$<TARGET_FILE:heliograph-images>\"
+    RESOLVED_DEPENDENCIES_VAR found UNRESOLVED_DEPENDENCIES_VAR missing
+    POST_EXCLUDE_REGEXES \"${HELIOGRAPH_SYSTEM_LIBRARIES}\")
+  if(missing)
+    message(FATAL_ERROR \"not found: \${missing}\")
+  endif()
+  list(REMOVE_ITEM found \${there})
+  file(INSTALL \${found} DESTINATION \"\${CMAKE_INSTALL_PREFIX}/lib/heliograph\" FOLLOW_SYMLINK_CHAIN)" COMPONENT images)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/client-web/dist/ DESTINATION share/heliograph/client COMPONENT server OPTIONAL)
-install(DIRECTORY ${CMAKE_BINARY_DIR}/spirv/ DESTINATION share/heliograph/spirv COMPONENT server FILES_MATCHING PATTERN "*.spv")
 if(TARGET heliograph-bench)
   heliograph_bundle(bench heliograph-bench)
   install(PROGRAMS ${CMAKE_SOURCE_DIR}/tests/bench/gpu_box.sh DESTINATION . COMPONENT bench)
@@ -31,6 +46,7 @@ if(TARGET heliograph-bench)
   endif()
 endif()
 set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
-set(CPACK_GENERATOR TGZ)
-set(CPACK_COMPONENTS_ALL server bench)
+set(CPACK_GENERATOR TXZ)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL server images bench)
 include(CPack)

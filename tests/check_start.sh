@@ -70,5 +70,15 @@ printf '#?RADIANCE\n' >"$scratch/sky.hdr"
 run "without the module, an environment as Radiance HDR" 2 "HELIOGRAPH_IMAGE_MODULE" inspect "$scratch/png.gltf" --environment "$scratch/sky.hdr"
 "$program" render cornell "${small[@]}" --out "$scratch/c.exr" >"$scratch/said" 2>&1
 expect "with the module, the film as OpenEXR" [ -s "$scratch/c.exr" ]
+
+# The folder for another machine (cmake/bundle.cmake): small, and with every library but glibc's.
+cmake --install "$(dirname "$program")" --strip --component server --prefix "$scratch/server" >"$scratch/said" 2>&1
+bytes=$(find "$scratch/server" -type f -printf '%s\n' | awk '{ sum += $1 } END { print sum + 0 }')
+expect "the server's folder holds at most 60 MiB ($bytes bytes)" [ "$bytes" -gt 1000000 -a "$bytes" -le 62914560 ]
+ldd "$scratch/server/bin/heliograph" | grep -F '=> /' | grep -v -F "$scratch/server/" |
+    grep -v -E '/lib(c|m|dl|rt|pthread|resolv|util|mvec)\.so' >"$scratch/said"
+expect "every library of the folder is its own" [ ! -s "$scratch/said" ]
+"$scratch/server/bin/heliograph" render cornell "${small[@]}" --out "$scratch/d.exr" >"$scratch/said" 2>&1
+expect "the folder has no picture module" grep -q "$scratch/server/lib/heliograph/heliograph-images.so" "$scratch/said"
 echo "$passed passed, $failed failed"
 [ $failed = 0 ] && [ $passed -gt 0 ]
