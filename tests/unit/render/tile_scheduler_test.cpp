@@ -181,13 +181,15 @@ TEST_F(Team, ADeviceThatStopsIsNotWaitedFor) {
     auto stalled = add("stalled", 2);
     EXPECT_TRUE(render(0).missing.empty());  // both are measured
     stalled->hold();
-    EXPECT_TRUE(render(1).missing.empty());
-    // It is still in there, and the frame is not.
-    ASSERT_TRUE(stalled->untilHeld());
-    EXPECT_GT(inside[1]->load(), 0u);
+    // On a busy machine it may come too late for a frame or two.
+    uint32_t samples = 1;
+    ASSERT_TRUE(test::until([&] {
+        EXPECT_TRUE(render(samples++).missing.empty());
+        return inside[1]->load() > 0;
+    })) << "the frame is over, and the stalled device is still inside";
     stalled->release();
     EXPECT_TRUE(test::until([&] { return inside[1]->load() == 0; }));
-    expectFilm(2);
+    expectFilm(samples);
 }
 
 TEST_F(Team, ALateResultOfAnEarlierFrameIsDropped) {
