@@ -64,7 +64,7 @@ std::optional<Connection::Piece> Connection::nextPiece(std::chrono::steady_clock
         writing_ = 0.0;
         waited_ = std::chrono::duration<double>(now - current_->encoded).count();
         auto micros = static_cast<uint32_t>(std::clamp(waited_ * 1e6, 0.0, 4.0e9));
-        stampQueueTime(std::span(current_->bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES>(), micros);
+        stampSendTime(std::span(current_->bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES>(), micros);
     }
     size_t left = current_->bytes.size() - offset_;
     size_t count = std::min(left, PIECE_BYTES);

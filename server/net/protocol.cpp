@@ -97,78 +97,73 @@ private:
     std::string type_;
 };
 
-ViewerMessage readCamera(const Fields& fields) {
-    CameraMessage message;
+void read(const Fields& fields, CameraMessage& message) {
     message.inputId = fields.uint("inputId");
     message.moving = fields.boolean("moving");
     Camera camera{fields.vector("position"), fields.vector("forward"), fields.vector("up"),
                   static_cast<float>(fields.number("fieldOfView"))};
     message.camera = checkedCamera(camera);
-    return message;
 }
 
-ViewerMessage readSettings(const Fields& fields) {
-    return SettingsMessage{fields.uint("inputId"), fields.object("values")};
-}
+void read(const Fields& fields, SettingsMessage& message) { message = {fields.uint("inputId"), fields.object("values")}; }
 
-ViewerMessage readResolution(const Fields& fields) {
-    ResolutionMessage message;
+void read(const Fields& fields, ResolutionMessage& message) {
     message.inputId = fields.uint("inputId");
     message.size = uvec2(fields.uint("width", MIN_SIDE, MAX_SIDE), fields.uint("height", MIN_SIDE, MAX_SIDE));
     uint64_t pixels = static_cast<uint64_t>(message.size.x) * message.size.y;
     if (pixels > MAX_PIXELS) {
         fields.refuse("width x height", std::to_string(pixels) + " pixels", "at most " + std::to_string(MAX_PIXELS));
     }
-    return message;
 }
 
-ViewerMessage readScene(const Fields& fields) { return SceneMessage{fields.text("name", 256)}; }
+void read(const Fields& fields, SceneMessage& message) { message.name = fields.text("name", 256); }
 
-ViewerMessage readAck(const Fields& fields) {
-    AckMessage message{fields.uint("frameId"), std::nullopt};
+void read(const Fields& fields, AckMessage& message) {
+    message.frameId = fields.uint("frameId");
     if (!fields.isNull("presentedMs")) message.presentedMs = fields.number("presentedMs");
-    return message;
 }
 
-ViewerMessage readPicture(const Fields& fields) {
-    std::string format = fields.text("format", 16);
-    if (format == "png") return PictureMessage{PictureFormat::png};
-    if (format == "exr") return PictureMessage{PictureFormat::exr};
-    if (format == "jpg") return PictureMessage{PictureFormat::jpg};
-    fields.refuse("format", shown(format), "png, exr or jpg");
+void read(const Fields& fields, PictureMessage& message) {
+    const std::string format = fields.text("format", 16);
+    if (format == "png") message.format = PictureFormat::png;
+    else if (format == "exr") message.format = PictureFormat::exr;
+    else if (format == "jpg") message.format = PictureFormat::jpg;
+    else fields.refuse("format", shown(format), "png, exr or jpg");
 }
 
-ViewerMessage readPath(const Fields& fields) { return PathMessage{fields.boolean("playing")}; }
-ViewerMessage readPing(const Fields& fields) { return PingMessage{fields.number("time")}; }
-ViewerMessage readToken(const Fields& fields) { return TokenMessage{fields.text("token", 4096)}; }
-ViewerMessage readEffectCosts(const Fields&) { return EffectCostsMessage{}; }
+void read(const Fields& fields, PathMessage& message) { message.playing = fields.boolean("playing"); }
+void read(const Fields& fields, PingMessage& message) { message.time = fields.number("time"); }
+void read(const Fields& fields, TokenMessage& message) { message.token = fields.text("token", 4096); }
+void read(const Fields&, EffectCostsMessage&) {}
 
-ViewerMessage readFocus(const Fields& fields) {
-    FocusMessage message{fields.uint("inputId"), fields.number("x"), fields.number("y")};
+void read(const Fields& fields, FocusMessage& message) {
+    message = {fields.uint("inputId"), fields.number("x"), fields.number("y")};
     for (const char* name : {"x", "y"}) {
         const double value = *name == 'x' ? message.x : message.y;
         if (value < 0.0 || value > 1.0) fields.refuse(name, nlohmann::json(value).dump(), "0 to 1");
     }
-    return message;
 }
 
-struct MessageType {
-    const char* name;
-    ViewerMessage (*read)(const Fields&);
+/// The alternatives of ViewerMessage by their TYPE.
+template <typename Variant>
+struct Types;
+template <typename... Message>
+struct Types<std::variant<Message...>> {
+    static std::string names() {
+        std::string names;
+        ((names += (names.empty() ? "" : ", ") + std::string(Message::TYPE)), ...);
+        return names;
+    }
+    /// False for a type that is none of them.
+    static bool read(const std::string& type, const Fields& fields, std::variant<Message...>& message) {
+        auto readAs = [&](auto& m) {
+            heliograph::read(fields, m);
+            return true;
+        };
+        return ((type == Message::TYPE && readAs(message.template emplace<Message>())) || ...);
+    }
 };
-
-constexpr MessageType MESSAGE_TYPES[] = {
-    {"camera", readCamera},   {"settings", readSettings}, {"resolution", readResolution},
-    {"scene", readScene},     {"ack", readAck},           {"picture", readPicture},
-    {"path", readPath},       {"ping", readPing},         {"token", readToken},
-    {"effectCosts", readEffectCosts}, {"focus", readFocus},
-};
-
-std::string knownTypes() {
-    std::string names;
-    for (const MessageType& type : MESSAGE_TYPES) names += (names.empty() ? "" : ", ") + std::string(type.name);
-    return names;
-}
+using KnownTypes = Types<ViewerMessage>;
 
 /// The input id of a message that may be wrong in other ways.
 std::optional<uint32_t> inputIdOf(const json& message) {
@@ -200,14 +195,13 @@ ViewerMessage parseViewerMessage(std::string_view text) {
     }
     auto type = message.find("type");
     if (type == message.end() || !type->is_string()) {
-        throw MessageError(InputError("type", type == message.end() ? "missing" : shown(*type), knownTypes()), "", std::nullopt);
+        throw MessageError(InputError("type", type == message.end() ? "missing" : shown(*type), KnownTypes::names()), "", std::nullopt);
     }
     const std::string& name = type->get_ref<const std::string&>();
     try {
-        for (const MessageType& known : MESSAGE_TYPES) {
-            if (name == known.name) return known.read(Fields(message, name));
-        }
-        throw InputError("type", shown(*type), knownTypes());
+        ViewerMessage result;
+        if (KnownTypes::read(name, Fields(message, name), result)) return result;
+        throw InputError("type", shown(*type), KnownTypes::names());
     } catch (const InputError& e) {
         throw MessageError(e, name.substr(0, 60), inputIdOf(message));
     }
@@ -227,7 +221,7 @@ T get(std::span<const uint8_t> bytes, size_t offset) {
     return value;
 }
 
-constexpr size_t QUEUE_MICROS_OFFSET = 52;
+constexpr size_t SEND_MICROS_OFFSET = 52;
 
 }  // namespace
 
@@ -252,7 +246,7 @@ void writeFrameHeader(const FrameHeader& header, std::span<uint8_t, FRAME_HEADER
     put<uint32_t>(bytes, 40, header.developMicros);
     put<uint32_t>(bytes, 44, header.encodeMicros);
     put<uint32_t>(bytes, 48, header.inputMicros);
-    put<uint32_t>(bytes, QUEUE_MICROS_OFFSET, header.queueMicros);
+    put<uint32_t>(bytes, SEND_MICROS_OFFSET, header.sendMicros);
     put<uint32_t>(bytes, 56, header.payloadBytes);
     put<uint32_t>(bytes, 60, header.devices);
 }
@@ -282,14 +276,14 @@ FrameHeader readFrameHeader(std::span<const uint8_t> bytes) {
     header.developMicros = get<uint32_t>(bytes, 40);
     header.encodeMicros = get<uint32_t>(bytes, 44);
     header.inputMicros = get<uint32_t>(bytes, 48);
-    header.queueMicros = get<uint32_t>(bytes, QUEUE_MICROS_OFFSET);
+    header.sendMicros = get<uint32_t>(bytes, SEND_MICROS_OFFSET);
     header.payloadBytes = get<uint32_t>(bytes, 56);
     header.devices = get<uint32_t>(bytes, 60);
     return header;
 }
 
-void stampQueueTime(std::span<uint8_t, FRAME_HEADER_BYTES> header, uint32_t micros) {
-    put<uint32_t>(header, QUEUE_MICROS_OFFSET, micros);
+void stampSendTime(std::span<uint8_t, FRAME_HEADER_BYTES> header, uint32_t micros) {
+    put<uint32_t>(header, SEND_MICROS_OFFSET, micros);
 }
 
 }  // namespace heliograph

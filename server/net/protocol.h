@@ -39,17 +39,22 @@ enum class CloseCode : uint16_t {
 
 enum class PictureFormat { png, exr, jpg };
 
-struct CameraMessage { uint32_t inputId = 0; Camera camera; bool moving = false; };
-struct SettingsMessage { uint32_t inputId = 0; nlohmann::json values; };
-struct ResolutionMessage { uint32_t inputId = 0; uvec2 size{0, 0}; };
-struct SceneMessage { std::string name; };
-struct AckMessage { uint32_t frameId = 0; std::optional<double> presentedMs; };
-struct PictureMessage { PictureFormat format = PictureFormat::png; };
-struct PathMessage { bool playing = false; };
-struct PingMessage { double time = 0.0; };
-struct TokenMessage { std::string token; };
-struct EffectCostsMessage {};
-struct FocusMessage { uint32_t inputId = 0; double x = 0.0, y = 0.0; };  // place in the picture, 0..1 from the top left corner
+/// What a viewer may say. TYPE is the message's `type`.
+struct CameraMessage { static constexpr const char* TYPE = "camera"; uint32_t inputId = 0; Camera camera; bool moving = false; };
+struct SettingsMessage { static constexpr const char* TYPE = "settings"; uint32_t inputId = 0; nlohmann::json values; };
+struct ResolutionMessage { static constexpr const char* TYPE = "resolution"; uint32_t inputId = 0; uvec2 size{0, 0}; };
+struct SceneMessage { static constexpr const char* TYPE = "scene"; std::string name; };
+struct AckMessage { static constexpr const char* TYPE = "ack"; uint32_t frameId = 0; std::optional<double> presentedMs; };
+struct PictureMessage { static constexpr const char* TYPE = "picture"; PictureFormat format = PictureFormat::png; };
+struct PathMessage { static constexpr const char* TYPE = "path"; bool playing = false; };
+struct PingMessage { static constexpr const char* TYPE = "ping"; double time = 0.0; };
+struct TokenMessage { static constexpr const char* TYPE = "token"; std::string token; };
+struct EffectCostsMessage { static constexpr const char* TYPE = "effectCosts"; };
+struct FocusMessage {
+    static constexpr const char* TYPE = "focus";
+    uint32_t inputId = 0;
+    double x = 0.0, y = 0.0;  // place in the picture, 0..1 from the top left corner
+};
 
 using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
                                    PathMessage, PingMessage, TokenMessage, EffectCostsMessage, FocusMessage>;
@@ -94,7 +99,7 @@ struct FrameHeader {
     uint32_t developMicros = 0;
     uint32_t encodeMicros = 0;
     uint32_t inputMicros = 0;   // input to render start
-    uint32_t queueMicros = 0;   // encoded to written
+    uint32_t sendMicros = 0;   // encoded to written
     uint32_t payloadBytes = 0;
     uint32_t devices = 0;  // bit set
     bool operator==(const FrameHeader&) const = default;
@@ -104,7 +109,7 @@ struct FrameHeader {
 void writeFrameHeader(const FrameHeader& header, std::span<uint8_t, FRAME_HEADER_BYTES> bytes);
 /// The reverse. Throws InputError for a wrong magic, a header length under 64 or too few bytes.
 FrameHeader readFrameHeader(std::span<const uint8_t> bytes);
-/// Sets `queueMicros` in a header that is already written; the socket alone knows it.
-void stampQueueTime(std::span<uint8_t, FRAME_HEADER_BYTES> header, uint32_t micros);
+/// Sets `sendMicros` in a header that is already written; the socket alone knows it.
+void stampSendTime(std::span<uint8_t, FRAME_HEADER_BYTES> header, uint32_t micros);
 
 }  // namespace heliograph

@@ -16,7 +16,7 @@ struct OutgoingPicture {
     std::vector<uint8_t> bytes;
     FrameKind kind = FrameKind::frame;
     uint32_t frameId = 0;
-    std::chrono::steady_clock::time_point encoded{};  // the header's `queueMicros` counts from here
+    std::chrono::steady_clock::time_point encoded{};  // the header's `sendMicros` counts from here
 };
 
 /// Safe from all threads. After the connection has gone all calls do nothing.

@@ -83,12 +83,9 @@ void Session::receive(std::string_view text) {
             return;
         }
         std::visit([&](const auto& m) {
+            about = m.TYPE;
             if constexpr (requires { m.inputId; }) inputId = m.inputId;
         }, message);
-        static constexpr const char* NAMES[] = {"camera", "settings", "resolution", "scene", "ack", "picture", "path", "ping", "token",
-                                                "effectCosts", "focus"};
-        static_assert(std::size(NAMES) == std::variant_size_v<ViewerMessage>);
-        about = NAMES[message.index()];
         std::visit([&](const auto& m) { handle(m); }, message);
     } catch (const MessageError& e) {
         host_.metrics().messagesRefused++;

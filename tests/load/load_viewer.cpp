@@ -121,7 +121,7 @@ void LoadViewer::takeBinary(std::span<const uint8_t> bytes, double now) {
     frameId_ = header.frameId;
 
     Shown shown{.at = now, .render = header.renderMicros * 1e-3f, .encode = (header.developMicros + header.encodeMicros) * 1e-3f,
-                .input = header.inputMicros * 1e-3f, .queue = header.queueMicros * 1e-3f, .bytes = header.payloadBytes};
+                .input = header.inputMicros * 1e-3f, .queue = header.sendMicros * 1e-3f, .bytes = header.payloadBytes};
     json presented = nullptr;
     const auto sent = inputAt_.find(header.inputId);
     if (header.inputId > shownInput_ && sent != inputAt_.end()) {

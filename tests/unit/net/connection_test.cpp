@@ -104,7 +104,7 @@ TEST(Connection, LargePicturesGoInPiecesThatNothingInterrupts) {
 TEST(Connection, StampsTheTimeBetweenEncodedAndWritten) {
     Stage s;
     s.connection.sendPicture(picture(FrameKind::frame, 1, 4, s.now - std::chrono::microseconds(1500)));
-    EXPECT_EQ(readFrameHeader(s.connection.nextPiece(s.now)->bytes).queueMicros, 1500u);
+    EXPECT_EQ(readFrameHeader(s.connection.nextPiece(s.now)->bytes).sendMicros, 1500u);
     s.connection.pieceWritten(0.0);
     ASSERT_EQ(s.peer->waits.size(), 1u);
     EXPECT_NEAR(s.peer->waits[0], 0.0015, 1e-9);

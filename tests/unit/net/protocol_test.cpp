@@ -136,7 +136,7 @@ FrameHeader sampleHeader() {
     header.developMicros = 2;
     header.encodeMicros = 3;
     header.inputMicros = 4;
-    header.queueMicros = 5;
+    header.sendMicros = 5;
     header.payloadBytes = 6;
     header.devices = 5;
     return header;
@@ -156,8 +156,8 @@ TEST(Protocol, FrameHeaderReadsBackAndTakesTheQueueTimeLate) {
     FrameHeader header = sampleHeader();
     writeFrameHeader(header, bytes);
     EXPECT_EQ(readFrameHeader(bytes), header);
-    stampQueueTime(bytes, 123456);
-    header.queueMicros = 123456;
+    stampSendTime(bytes, 123456);
+    header.sendMicros = 123456;
     EXPECT_EQ(readFrameHeader(bytes), header);
 }
 
