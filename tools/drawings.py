@@ -101,7 +101,7 @@ def rooms():
 def frame():
     d = Drawing(960, 590, 'A frame over its threads')
     lanes = [('Browser', 'the page'), ('Socket thread', 'one for all viewers'), ('View thread', 'one a view'),
-             ('Device threads', 'workers, GPU streams'), ('Publisher', 'one a view')]
+             ('Device threads', 'workers, GPU streams'), ('Encode thread', 'one a viewer')]
     for i, (name, words) in enumerate(lanes):
         y = 60 + 100 * i
         d.rect(24, y, 912, 88, '#fafbfc')

@@ -35,7 +35,7 @@ struct ServeOptions {
     std::string client;
     std::vector<std::string> origins;
     std::vector<std::string> settings;
-    size_t maxViewers = 32;
+    size_t maxViewers = MAX_VIEWERS;
     std::string logLevel = "info";
 };
 

@@ -7,6 +7,8 @@
 
 namespace heliograph {
 
+static_assert(FILM_PIXELS == 3 * FilmPool::FILMS * MAX_PIXELS);
+
 struct ServiceOptions {
     SocketOptions socket;
     std::vector<SceneRecipe> scenes;  // on offer; the first is where viewers start
@@ -15,7 +17,7 @@ struct ServiceOptions {
     Settings defaults;                // of every viewer
     /// Pixels of all films together. One takes 16 bytes a pixel, 48 from its second sample on, and a viewer may have three: 13 GiB
     /// for three viewers at 7680x4320.
-    uint64_t pixelLimit = 3 * FilmPool::FILMS * MAX_PIXELS;
+    uint64_t pixelLimit = FILM_PIXELS;
 };
 
 class Service : private SessionHost, private SocketHandler {

@@ -9,7 +9,7 @@ void Connection::sendText(std::string text) {
         std::lock_guard lock(mutex_);
         if (gone_ || closing_) return;
         textBytes_ += text.size();
-        if (textBytes_ > TEXT_LIMIT) closing_ = Closing{CloseCode::stalled, "too much waits to be read"};
+        if (textBytes_ > TEXT_WAITING) closing_ = Closing{CloseCode::stalled, "too much waits to be read"};
         else texts_.push_back(std::string(SOCKET_HEADROOM, '\0') + text);
     }
     wake_();
@@ -21,7 +21,7 @@ std::optional<uint32_t> Connection::sendPicture(OutgoingPicture picture) {
         std::lock_guard lock(mutex_);
         if (gone_ || closing_) return std::nullopt;
         if (picture.kind == FrameKind::picture) {
-            if (pictures_.size() >= PICTURE_LIMIT) closing_ = Closing{CloseCode::stalled, "too much waits to be read"};
+            if (pictures_.size() >= PICTURES_WAITING) closing_ = Closing{CloseCode::stalled, "too much waits to be read"};
             else pictures_.push_back(std::move(picture));
         } else {
             if (frame_) replaced = frame_->frameId;

@@ -46,9 +46,7 @@ public:
     std::shared_ptr<ViewerPeer> peer;
 
 private:
-    static constexpr size_t PIECE_BYTES = 256 * 1024;         // of a picture, so that nothing is copied whole
-    static constexpr size_t TEXT_LIMIT = 4 * 1024 * 1024;     // bytes that may wait
-    static constexpr size_t PICTURE_LIMIT = 2;                // pictures that may wait
+    static constexpr size_t PIECE_BYTES = 256 * 1024;  // of a picture, so that nothing is copied whole
 
     const std::function<void()> wake_;
     mutable std::mutex mutex_;
@@ -65,8 +63,8 @@ private:
     size_t offset_ = 0;
     double waited_ = 0.0, writing_ = 0.0;  // seconds
     std::string incoming_;
-    RateLimit messages_{1000.0, 2000.0};
-    RateLimit bytes_{1 << 20, 4 << 20};
+    RateLimit messages_{MESSAGE_RATE, MESSAGE_BURST};
+    RateLimit bytes_{BYTE_RATE, BYTE_BURST};
 };
 
 }  // namespace heliograph

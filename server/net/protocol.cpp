@@ -13,8 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint64_t DEEPEST_MESSAGE = 16;
-
 /// A value as it was found, short enough for one line.
 std::string shown(const json& value) {
     std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -116,7 +114,7 @@ void read(const Fields& fields, ResolutionMessage& message) {
     }
 }
 
-void read(const Fields& fields, SceneMessage& message) { message.name = fields.text("name", 256); }
+void read(const Fields& fields, SceneMessage& message) { message.name = fields.text("name", SCENE_NAME_LIMIT); }
 
 void read(const Fields& fields, AckMessage& message) {
     message.frameId = fields.uint("frameId");
@@ -133,7 +131,7 @@ void read(const Fields& fields, PictureMessage& message) {
 
 void read(const Fields& fields, PathMessage& message) { message.playing = fields.boolean("playing"); }
 void read(const Fields& fields, PingMessage& message) { message.time = fields.number("time"); }
-void read(const Fields& fields, TokenMessage& message) { message.token = fields.text("token", 4096); }
+void read(const Fields& fields, TokenMessage& message) { message.token = fields.text("token", TOKEN_LIMIT); }
 void read(const Fields&, EffectCostsMessage&) {}
 
 void read(const Fields& fields, FocusMessage& message) {
@@ -178,8 +176,8 @@ std::optional<uint32_t> inputIdOf(const json& message) {
 
 ViewerMessage parseViewerMessage(std::string_view text) {
     json message;
-    if (jsonExtent(text, DEEPEST_MESSAGE).depth > DEEPEST_MESSAGE) {
-        throw MessageError(InputError("message", "JSON nested deeper than " + std::to_string(DEEPEST_MESSAGE), "one JSON object"),
+    if (jsonExtent(text, MESSAGE_DEPTH).depth > MESSAGE_DEPTH) {
+        throw MessageError(InputError("message", "JSON nested deeper than " + std::to_string(MESSAGE_DEPTH), "one JSON object"),
                            "", std::nullopt);
     }
     try {

@@ -3,6 +3,7 @@
 // it, and the header that goes before each picture. Pure functions, no sockets. What the server says is in messages.h.
 
 #include "server/base/error.h"
+#include "server/net/limits.h"
 #include "server/request/camera.h"
 
 #include <nlohmann/json.hpp>
@@ -18,11 +19,6 @@
 namespace heliograph {
 
 constexpr const char* PROTOCOL_NAME = "heliograph.v1";
-constexpr size_t MESSAGE_LIMIT = 64 * 1024;        // bytes of one text message from a viewer
-constexpr uint32_t MAX_UNACKED = 2;                // frames on their way to a viewer
-constexpr uint32_t MIN_SIDE = 16;                  // pixels
-constexpr uint32_t MAX_SIDE = 8192;                // pixels
-constexpr uint64_t MAX_PIXELS = 33'177'600;        // 7680 x 4320
 constexpr size_t FRAME_HEADER_BYTES = 64;
 
 /// Close codes of the WebSocket: RFC 6455 and our own from 4000.

@@ -197,7 +197,7 @@ void SocketServer::Impl::createContext() {
         {PROTOCOL_NAME, callback, 0, 16384, 0, nullptr, 0},
         {nullptr, nullptr, 0, 0, 0, nullptr, 0},
     };
-    static const lws_retry_bo_t keepAlive = {nullptr, 0, 0, 15, 30, 0};  // ping after 15 s of silence, hang up after 30
+    static const lws_retry_bo_t keepAlive = {nullptr, 0, 0, IDLE_PING.count(), IDLE_CLOSE.count(), 0};
 
     lws_context_creation_info info{};
     const ListenAddress& listen = options_.listen;

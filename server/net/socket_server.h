@@ -16,7 +16,7 @@ struct SocketOptions {
     std::string keyFile;
     std::string token;                        // empty: none is asked for
     std::vector<std::string> allowedOrigins;  // beside the server's own, as "https://example.org"
-    size_t maxViewers = 32;
+    size_t maxViewers = MAX_VIEWERS;
     ClientFiles files;
 };
 

@@ -50,9 +50,9 @@ void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene, const std::option
         newScene_ = std::move(scene);
         sceneChanged_ = true;
         retry_ = true;
+        pictureAsked_.reset();
         news_++;
         focusAsked_.reset();
-        pictureAsked_ = false;
         if (pass_.running) pass_.stop.request_stop();
     }
     changed_.notify_all();
@@ -67,10 +67,10 @@ void FrameLoop::playPath(bool playing) {
     changed_.notify_all();
 }
 
-void FrameLoop::takePicture() {
+void FrameLoop::takePicture(const PictureOrder& order) {
     {
         std::lock_guard lock(mutex_);
-        pictureAsked_ = true;
+        pictureAsked_ = order;
         news_++;
     }
     changed_.notify_all();
@@ -128,7 +128,7 @@ uint64_t FrameLoop::takeNews() {
         newScene_.reset();
         view_.reset();
         picture_.reset();
-        pictureWanted_ = false;
+        pictureWanted_.reset();
         passes_.forget();
         history_->costs.forget();
         reach_.forget();
@@ -138,8 +138,7 @@ uint64_t FrameLoop::takeNews() {
     retry_ = false;
     std::optional<bool> playing = std::exchange(playing_, std::nullopt);
     if (pictureAsked_ && resident_ && wish_) {
-        pictureAsked_ = false;
-        pictureWanted_ = true;
+        pictureWanted_ = std::exchange(pictureAsked_, std::nullopt);
     }
     focus_ = std::exchange(focusAsked_, std::nullopt);
     uint64_t seen = news_;
@@ -160,7 +159,7 @@ bool FrameLoop::step() {
     }
     if (!resident_ || !wish_ || broken_) return false;
     followPath();
-    if (std::exchange(pictureWanted_, false)) beginPicture();
+    if (std::optional<PictureOrder> order = std::exchange(pictureWanted_, std::nullopt)) beginPicture(*order);
     if (!adopt()) return false;
     if (deliver()) return true;
     bool unfinished = samples_ < view_->settings.samples;
@@ -282,16 +281,17 @@ void FrameLoop::useLatestWish() {
 }
 
 /// Without memory for it the viewer is told why, and the film goes on.
-void FrameLoop::beginPicture() {
+void FrameLoop::beginPicture(const PictureOrder& order) {
     try {
-        startPicture();
+        startPicture(order);
     } catch (const std::exception& e) {
         receiver_.failed(e.what());
     }
 }
 
-void FrameLoop::startPicture() {
+void FrameLoop::startPicture(const PictureOrder& order) {
     Job job;
+    job.order = order;
     job.view = view_ ? *view_ : *wish_;
     job.view.settings.renderScale = 1.0f;
     job.samples = std::max(samples_, 1u);
@@ -317,7 +317,7 @@ bool FrameLoop::finishPicture() {
     }
     if (receiver_.readiness() == Readiness::busy) return false;
     FinishedFrame frame;
-    frame.kind = FinishedFrame::Kind::picture;
+    frame.picture = picture_->order;
     frame.film = picture_->film;
     frame.size = picture_->film->resolution();
     frame.view = picture_->view;

@@ -6,6 +6,7 @@
 #include "server/request/effect_rules.h"
 #include "server/device/device.h"
 #include "server/film/film_pool.h"
+#include "server/net/protocol.h"
 #include "server/film/cell_reach.h"
 #include "server/schedule/frame_history.h"
 #include "server/stream/path_run.h"
@@ -26,10 +27,15 @@ struct ResidentScene {
     EffectSet effects;                  // that it calls for
 };
 
+/// A picture that a viewer asked for.
+struct PictureOrder {
+    uint32_t number = 0;  // counts the viewer's orders
+    PictureFormat format = PictureFormat::png;
+};
+
 /// A film worth looking at. The film may grow while it is developed, never change its request.
 struct FinishedFrame {
-    enum class Kind { frame, picture };
-    Kind kind = Kind::frame;
+    std::optional<PictureOrder> picture;  // nothing: a frame of the view
     std::shared_ptr<const Film> film;  // its locked functions alone: once let go of, the loop uses it again
     uvec2 size{0, 0};                // of the film
     ViewRequest view;
@@ -85,7 +91,7 @@ public:
     /// Starts a run along the scene's first path, or ends the one in progress. Without a path it ends at once.
     void playPath(bool playing);
     /// Makes a picture of the newest wish at full resolution, with as many samples as its film has by now (at least 1).
-    void takePicture();
+    void takePicture(const PictureOrder& order);
     /// Asks the device for the depth along a ray, on the loop's thread; a request that was not answered yet is dropped.
     void focus(const FocusRequest& request);
     /// The receiver's readiness has changed for the better.
@@ -99,6 +105,7 @@ private:
     using Clock = std::chrono::steady_clock;
     struct Run { PathRun path; Clock::time_point begin; };
     struct Job {
+        PictureOrder order;
         ViewRequest view;
         FrameRequest request;
         std::shared_ptr<Film> film;
@@ -124,8 +131,8 @@ private:
     bool deliver();
     void renderFilm();
     void useLatestWish();
-    void beginPicture();
-    void startPicture();
+    void beginPicture(const PictureOrder& order);
+    void startPicture(const PictureOrder& order);
     bool finishPicture();
     std::stop_token beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable);
     void endPass(bool completed);
@@ -144,7 +151,7 @@ private:
     std::shared_ptr<ResidentScene> newScene_;
     bool sceneChanged_ = false;
     std::optional<bool> playing_;
-    bool pictureAsked_ = false;
+    std::optional<PictureOrder> pictureAsked_;
     std::optional<FocusRequest> focusAsked_;
     bool retry_ = false;  // something came that may mend what failed
     bool stopped_ = false;
@@ -168,7 +175,7 @@ private:
     std::shared_ptr<FrameHistory> history_ = std::make_shared<FrameHistory>();
     ReachOfView reach_;
     std::optional<Run> run_;
-    bool pictureWanted_ = false;
+    std::optional<PictureOrder> pictureWanted_;
     std::optional<Job> picture_;
     std::optional<FocusRequest> focus_;
     bool pictureTurn_ = false;  // passes of picture and film alternate

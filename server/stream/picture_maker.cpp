@@ -31,6 +31,23 @@ void develop(const FinishedFrame& frame, std::vector<vec4>& band, DisplayImage& 
     }
 }
 
+uint32_t micros(double seconds) { return static_cast<uint32_t>(std::clamp(seconds * 1e6, 0.0, 4.0e9)); }
+
+/// What the header says of the frame, whatever it is encoded as.
+void describe(const FinishedFrame& frame, FrameHeader& header) {
+    header.kind = frame.picture ? FrameKind::picture : FrameKind::frame;
+    header.flags = static_cast<uint8_t>((frame.view.moving ? FRAME_MOVING : 0) | (frame.final ? FRAME_FINAL : 0) |
+                                        (frame.path ? FRAME_PATH : 0));
+    header.inputId = frame.view.inputId;
+    header.generation = frame.generation;
+    header.size = frame.size;
+    header.fullSize = frame.view.resolution;
+    header.samples = frame.samples;
+    header.renderMicros = micros(frame.figures.lastPassSeconds);
+    header.inputMicros = micros(frame.inputSeconds);
+    header.devices = frame.figures.devices;
+}
+
 }  // namespace
 
 struct PictureMaker::Encoders {
@@ -41,24 +58,36 @@ struct PictureMaker::Encoders {
 PictureMaker::PictureMaker() : encoders_(std::make_unique<Encoders>()) {}
 PictureMaker::~PictureMaker() = default;
 
-MakingCosts PictureMaker::make(const FinishedFrame& frame, FrameCodec codec, uint32_t quality, size_t front,
-                               std::vector<uint8_t>& bytes) {
-    MakingCosts costs;
+EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header) {
+    EncodedFrame result;
     StopWatch watch;
     const double before = threadCpuSeconds();
-    if (codec == FrameCodec::exr) frame.film->develop(pixels_);
+    if (header.codec == FrameCodec::exr) frame.film->develop(pixels_);
     else develop(frame, pixels_, display_);
-    costs.relativeError = frame.film->relativeError();
-    costs.developSeconds = watch.seconds();
+    header.relativeError = static_cast<float>(frame.film->relativeError());
+    header.developMicros = micros(watch.seconds());
     watch.restart();
-    if (codec == FrameCodec::exr) encodeExr(pixels_, frame.size, payload_);
-    else if (codec == FrameCodec::png) encoders_->png->encode(display_, quality, payload_);
-    else encoders_->jpeg->encode(display_, quality, payload_);
-    bytes.resize(front);
+    if (header.codec == FrameCodec::exr) encodeExr(pixels_, frame.size, payload_);
+    else if (header.codec == FrameCodec::png) encoders_->png->encode(display_, header.quality, payload_);
+    else encoders_->jpeg->encode(display_, header.quality, payload_);
+    header.payloadBytes = static_cast<uint32_t>(payload_.size());
+    std::vector<uint8_t>& bytes = result.picture.bytes;
+    bytes.reserve(SOCKET_HEADROOM + FRAME_HEADER_BYTES + payload_.size());
+    bytes.resize(SOCKET_HEADROOM + FRAME_HEADER_BYTES);
     bytes.insert(bytes.end(), payload_.begin(), payload_.end());
-    costs.encodeSeconds = watch.seconds();
-    costs.coreSeconds = threadCpuSeconds() - before;
-    return costs;
+    header.encodeMicros = micros(watch.seconds());
+    result.coreSeconds = threadCpuSeconds() - before;
+
+    describe(frame, header);
+    writeFrameHeader(header, std::span(bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES>());
+    result.picture.kind = header.kind;
+    result.picture.frameId = header.frameId;
+    result.picture.encoded = std::chrono::steady_clock::now();
+    result.header = header;
+    result.figures = frame.figures;
+    result.order = frame.picture;
+    result.targetSamples = frame.view.settings.samples;
+    return result;
 }
 
 }  // namespace heliograph

@@ -1,8 +1,8 @@
 #pragma once
-// From a film to the bytes of a picture file: develop, tone map, encode.
+// From a film to the bytes that a viewer is sent: develop, tone map, encode, header.
 
 #include "server/encode/encoder.h"
-#include "server/net/protocol.h"
+#include "server/net/viewer_socket.h"
 #include "server/stream/frame_loop.h"
 
 #include <memory>
@@ -10,11 +10,14 @@
 
 namespace heliograph {
 
-struct MakingCosts {
-    double developSeconds = 0.0;  // with the tone map
-    double encodeSeconds = 0.0;
-    double coreSeconds = 0.0;     // processor time of both
-    double relativeError = 1.0;   // of the film
+/// A frame as it leaves, and what it cost.
+struct EncodedFrame {
+    OutgoingPicture picture;
+    FrameHeader header;
+    PassFigures figures;
+    std::optional<PictureOrder> order;  // of a picture
+    uint32_t targetSamples = 0;
+    double coreSeconds = 0.0;           // processor time of developing and encoding
 };
 
 /// Keeps its buffers between pictures; one thread at a time.
@@ -23,10 +26,9 @@ public:
     PictureMaker();
     ~PictureMaker();
 
-    /// Appends the encoded picture to `front` bytes of any value; `bytes` is replaced. EXR holds the film's linear float
-    /// values, the other formats what the viewer sees. Throws std::runtime_error.
-    MakingCosts make(const FinishedFrame& frame, FrameCodec codec, uint32_t quality, size_t front,
-                     std::vector<uint8_t>& bytes);
+    /// `header` says the codec, the quality and the frame's id; the rest is filled in. EXR holds the film's linear float values,
+    /// the other formats what the viewer sees. Throws std::runtime_error.
+    EncodedFrame make(const FinishedFrame& frame, FrameHeader header);
 
 private:
     struct Encoders;

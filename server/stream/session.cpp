@@ -5,7 +5,6 @@
 #include "server/net/token.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace heliograph {
 
@@ -13,21 +12,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto TOKEN_WAIT = 5s;
-constexpr auto STALL_PAUSE = 2s;   // without an ack for so long, nothing is rendered ahead
-constexpr auto STALL_CLOSE = 10s;  // and the connection is closed
 constexpr auto STATS_EVERY = 500ms;
 constexpr auto PROGRESS_EVERY = 100ms;
-constexpr uint32_t FINAL_QUALITY = 92;    // least JPEG quality of the last frame of a view
-constexpr uint32_t PICTURE_QUALITY = 95;  // of a JPEG that was asked for
-
-FrameCodec codecOf(PictureFormat format) {
-    switch (format) {
-        case PictureFormat::exr: return FrameCodec::exr;
-        case PictureFormat::jpg: return FrameCodec::jpeg;
-        default: return FrameCodec::png;
-    }
-}
 
 std::string namesOf(const std::vector<SceneRecipe>& scenes) {
     std::string names;
@@ -38,22 +24,20 @@ std::string namesOf(const std::vector<SceneRecipe>& scenes) {
 }  // namespace
 
 Session::Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocket> socket, Options options)
-    : viewer_(viewer),
-      host_(host),
-      socket_(std::move(socket)),
+    : host_(host),
+      metrics_(host.metrics()),
       options_(std::move(options)),
       meter_(host.turns(), [this](EffectMeter::News&& news) { effectCosts(std::move(news)); }),
-      publisher_([this](uint32_t frameId, std::optional<Published> result, const std::string& failure) {
-          published(frameId, std::move(result), failure);
-      }),
+      viewer_(viewer, std::move(socket), metrics_, *this),
       loop_(host.turns(), *this) {
     request_.settings = options_.defaults;
+    viewer_.setQuality(request_.settings.jpegQuality);
 }
 
 Session::~Session() {
     end();
-    // The publisher wakes the loop, so it has to be over before the loop goes.
-    publisher_.finish();
+    // The viewer wakes the loop, so it has to be over before the loop goes.
+    viewer_.finish();
 }
 
 void Session::begin() {
@@ -67,8 +51,8 @@ void Session::welcome() {
         std::lock_guard lock(mutex_);
         authorized_ = true;
         statsAt_ = Clock::now();
-        socket_->sendText(helloMessage(viewer_, scenes, devices));
-        socket_->sendText(settingsMessage(request_.settings.toJson(), std::nullopt));
+        viewer_.say(helloMessage(viewer_.number(), scenes, devices));
+        viewer_.say(settingsMessage(request_.settings.toJson(), std::nullopt));
     }
     if (!scenes.empty()) openScene(scenes.front().name);
 }
@@ -79,7 +63,7 @@ void Session::receive(std::string_view text) {
     try {
         ViewerMessage message = parseViewerMessage(text);
         if (!authorized_ && !std::holds_alternative<TokenMessage>(message)) {
-            socket_->close(CloseCode::unauthorized, "the first message has to be the token");
+            viewer_.close(CloseCode::unauthorized, "the first message has to be the token");
             return;
         }
         std::visit([&](const auto& m) {
@@ -88,12 +72,21 @@ void Session::receive(std::string_view text) {
         }, message);
         std::visit([&](const auto& m) { handle(m); }, message);
     } catch (const MessageError& e) {
-        host_.metrics().messagesRefused++;
-        socket_->sendText(errorMessage(e.what(), e.about(), e.inputId()));
+        refuse(e, e.about(), e.inputId());
     } catch (const InputError& e) {
-        host_.metrics().messagesRefused++;
-        socket_->sendText(errorMessage(e.what(), about, inputId));
+        refuse(e, about, inputId);
     }
+}
+
+/// Tells the viewer what is wrong with its message. `about`: the message's type.
+void Session::refuse(const InputError& error, const std::string& about, std::optional<uint32_t> inputId) {
+    metrics_.messagesRefused++;
+    viewer_.say(errorMessage(error.what(), about, inputId));
+}
+
+/// Throws InputError unless there is a view to speak of; with the lock held.
+void Session::checkVisible(const char* message) const {
+    if (!scene_ || request_.resolution.x == 0) throw InputError(message, "nothing to see yet", "after `resolution` and a scene");
 }
 
 void Session::handle(const CameraMessage& message) {
@@ -126,13 +119,14 @@ void Session::handle(const SettingsMessage& message) {
     }
     request_.settings = settings;
     request_.inputId = message.inputId;
-    socket_->sendText(settingsMessage(settings.toJson(), message.inputId));
+    viewer_.setQuality(settings.jpegQuality);
+    viewer_.say(settingsMessage(settings.toJson(), message.inputId));
     showLocked();
 }
 
 void Session::handle(const ResolutionMessage& message) {
     uint64_t pixels = static_cast<uint64_t>(message.size.x) * message.size.y;
-    if (!host_.grantPixels(viewer_, FilmPool::FILMS * pixels)) {
+    if (!host_.grantPixels(viewer_.number(), FilmPool::FILMS * pixels)) {
         throw InputError("resolution", std::to_string(pixels) + " pixels", "fewer: all viewers together have used up the memory for films");
     }
     std::lock_guard lock(mutex_);
@@ -148,22 +142,12 @@ void Session::handle(const SceneMessage& message) {
     openScene(message.name);
 }
 
-void Session::handle(const AckMessage& message) {
-    std::lock_guard lock(mutex_);
-    if (message.frameId > lastFrameId_) {
-        throw InputError("ack.frameId", std::to_string(message.frameId), "at most " + std::to_string(lastFrameId_));
-    }
-    landed(message.frameId);
-    if (message.presentedMs && *message.presentedMs >= 0.0) host_.metrics().motionToPhoton.add(*message.presentedMs * 1e-3);
-    loop_.wake();
-}
+void Session::handle(const AckMessage& message) { viewer_.acknowledge(message); }
 
 void Session::handle(const PictureMessage& message) {
     std::lock_guard lock(mutex_);
-    if (!scene_ || request_.resolution.x == 0) throw InputError("picture", "nothing to see yet", "after `resolution` and a scene");
-    if (picture_) throw InputError("picture", "one is being made", "one at a time");
-    picture_ = message.format;
-    loop_.takePicture();
+    checkVisible(PictureMessage::TYPE);
+    loop_.takePicture(viewer_.orderPicture(message.format));
 }
 
 void Session::handle(const PathMessage& message) {
@@ -173,20 +157,20 @@ void Session::handle(const PathMessage& message) {
     }
     if (message.playing && request_.resolution.x == 0) throw InputError("path.playing", "true", "true after `resolution`");
     // The end of a run is told by pathEnded, with its result.
-    if (message.playing || !playing_) socket_->sendText(pathMessage(message.playing, std::nullopt));
+    if (message.playing || !playing_) viewer_.say(pathMessage(message.playing, std::nullopt));
     if (message.playing == playing_) return;
     playing_ = true;  // until pathEnded
     loop_.playPath(message.playing);
 }
 
-void Session::handle(const PingMessage& message) { socket_->sendText(pongMessage(message.time)); }
+void Session::handle(const PingMessage& message) { viewer_.say(pongMessage(message.time)); }
 
 void Session::handle(const TokenMessage& message) {
     if (authorized_) return;  // none is needed, or it was given before
     if (!sameSecret(message.token, options_.token)) {
-        host_.metrics().connectionsRefused++;
-        log().warn("viewer {}: wrong token", viewer_);
-        socket_->close(CloseCode::unauthorized, "wrong token");
+        metrics_.connectionsRefused++;
+        log().warn("viewer {}: wrong token", viewer_.number());
+        viewer_.close(CloseCode::unauthorized, "wrong token");
         return;
     }
     welcome();
@@ -194,39 +178,35 @@ void Session::handle(const TokenMessage& message) {
 
 void Session::handle(const EffectCostsMessage&) {
     std::lock_guard lock(mutex_);
-    if (!scene_ || request_.resolution.x == 0) {
-        throw InputError("effectCosts", "nothing to see yet", "after `resolution` and a scene");
-    }
+    checkVisible(EffectCostsMessage::TYPE);
     costsAwaited_ = true;
     costsAt_ = Clock::now();
-    socket_->sendText(effectCostsMeasuringMessage(0.0));
+    viewer_.say(effectCostsMeasuringMessage(0.0));
     meter_.measure({++costsOrder_, sceneName_, scene_, request_});
 }
 
 void Session::handle(const FocusMessage& message) {
     std::lock_guard lock(mutex_);
-    if (!scene_ || request_.resolution.x == 0) throw InputError("focus", "nothing to see yet", "after `resolution` and a scene");
+    checkVisible(FocusMessage::TYPE);
     const double aspect = static_cast<double>(request_.resolution.x) / request_.resolution.y;
     loop_.focus({viewRay(request_.camera, aspect, message.x, message.y), message.inputId});
 }
 
 /// Sets `focusDistance` to the depth that was measured.
 void Session::focused(const FocusRequest& request, const DepthAnswer& answer) {
-    Metrics& metrics = host_.metrics();
     std::lock_guard lock(mutex_);
     if (ended_) return;
     try {
-        if (!answer.known) throw InputError("focus", "no device that holds the scene measures depth", "embree or hybrid as device");
-        if (!answer.depth) throw InputError("focus", "nothing is there", "a place where something is seen");
+        if (!answer.known) throw InputError(FocusMessage::TYPE, "no device that holds the scene measures depth", "embree or hybrid as device");
+        if (!answer.depth) throw InputError(FocusMessage::TYPE, "nothing is there", "a place where something is seen");
         Settings settings = request_.settings;
         settings.set("focusDistance", *answer.depth);
         request_.settings = settings;
         request_.inputId = std::max(request_.inputId, request.inputId);
-        socket_->sendText(settingsMessage(settings.toJson(), request.inputId));
+        viewer_.say(settingsMessage(settings.toJson(), request.inputId));
         showLocked();
     } catch (const InputError& e) {
-        metrics.messagesRefused++;
-        socket_->sendText(errorMessage(e.what(), "focus", request.inputId));
+        refuse(e, FocusMessage::TYPE, request.inputId);
     }
 }
 
@@ -235,17 +215,17 @@ void Session::effectCosts(EffectMeter::News&& news) {
     if (ended_ || !costsAwaited_ || news.order != costsOrder_) return;
     if (news.costs || !news.failure.empty()) {
         costsAwaited_ = false;
-        socket_->sendText(news.costs ? effectCostsReadyMessage(*news.costs) : effectCostsFailedMessage(news.failure));
+        viewer_.say(news.costs ? effectCostsReadyMessage(*news.costs) : effectCostsFailedMessage(news.failure));
     } else if (Clock::now() - costsAt_ >= PROGRESS_EVERY) {
         costsAt_ = Clock::now();
-        socket_->sendText(effectCostsMeasuringMessage(news.share));
+        viewer_.say(effectCostsMeasuringMessage(news.share));
     }
 }
 
 /// With the lock held.
 void Session::dropEffectCosts(const std::string& why) {
     meter_.drop();
-    if (costsAwaited_) socket_->sendText(effectCostsFailedMessage(why));
+    if (costsAwaited_) viewer_.say(effectCostsFailedMessage(why));
     costsAwaited_ = false;
 }
 
@@ -291,7 +271,7 @@ void Session::sceneProgress(uint64_t order, const std::string& what, double shar
     Clock::time_point now = Clock::now();
     if (order != sceneOrder_ || now - progressAt_ < PROGRESS_EVERY) return;
     progressAt_ = now;
-    socket_->sendText(sceneLoadingMessage(orderedName_, what, share));
+    viewer_.say(sceneLoadingMessage(orderedName_, what, share));
 }
 
 void Session::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
@@ -299,14 +279,13 @@ void Session::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
     if (order != sceneOrder_ || ended_) return;
     scene_ = std::move(scene);
     sceneName_ = orderedName_;
-    if (picture_) {
-        picture_.reset();
-        socket_->sendText(errorMessage("picture: the scene was changed before it was finished", "picture", std::nullopt));
+    if (viewer_.dropPicture()) {
+        viewer_.say(errorMessage("picture: the scene was changed before it was finished", "picture", std::nullopt));
     }
     dropEffectCosts("the scene was changed before they were measured");
     request_.camera = cameraFrom(scene_->scene->cameras.front());
     request_.received = Clock::now();
-    socket_->sendText(sceneReadyMessage(sceneName_, *scene_->scene, scene_->reasons));
+    viewer_.say(sceneReadyMessage(sceneName_, *scene_->scene, scene_->reasons));
     bool visible = request_.resolution.x > 0;
     loop_.setScene(scene_, visible ? std::optional(request_) : std::nullopt);
 }
@@ -314,95 +293,30 @@ void Session::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
 void Session::sceneFailed(uint64_t order, const std::string& why) {
     std::lock_guard lock(mutex_);
     if (order != sceneOrder_ || ended_) return;
-    log().warn("viewer {}: {}", viewer_, why);
-    socket_->sendText(sceneFailedMessage(orderedName_, why));
-}
-
-Readiness Session::readiness() {
-    if (publisher_.busy()) return Readiness::busy;
-    std::lock_guard lock(mutex_);
-    if (flights_.size() < MAX_UNACKED) return Readiness::ready;
-    return Clock::now() - flights_.front().since > STALL_PAUSE ? Readiness::stalled : Readiness::noCredit;
+    log().warn("viewer {}: {}", viewer_.number(), why);
+    viewer_.say(sceneFailedMessage(orderedName_, why));
 }
 
 void Session::take(FinishedFrame&& frame) {
-    Publisher::Order order;
-    {
-        std::lock_guard lock(mutex_);
-        order.frameId = ++lastFrameId_;
-        uint32_t quality = frame.view.settings.jpegQuality;
-        if (frame.kind == FinishedFrame::Kind::frame) {
-            flights_.push_back({order.frameId, Clock::now()});
-            order.quality = frame.final ? std::max(quality, FINAL_QUALITY) : quality;
-        } else {
-            order.codec = codecOf(picture_.value_or(PictureFormat::png));
-            order.quality = PICTURE_QUALITY;
-        }
-    }
-    order.frame = std::move(frame);
-    publisher_.publish(std::move(order));
-}
-
-void Session::published(uint32_t frameId, std::optional<Published> result, const std::string& failure) {
-    if (!result) {
-        failed(failure);
-        std::lock_guard lock(mutex_);
-        landed(frameId);
-        loop_.wake();
-        return;
-    }
-    Metrics& metrics = host_.metrics();
-    metrics.stages[Metrics::develop].add(result->costs.developSeconds);
-    metrics.stages[Metrics::encode].add(result->costs.encodeSeconds);
-    metrics.nonfiniteSamples += result->figures.nonfiniteSamples;
-    for (size_t i = 0; i < metrics.rays.size(); i++) metrics.rays[i] += result->figures.rays.by[i];
-    {
-        std::lock_guard lock(mutex_);
-        if (result->header.kind == FrameKind::frame) {
-            stats_.framePublished(*result);
-            metrics.framesSent++;
-            metrics.frameBytesSent += result->picture.bytes.size() - SOCKET_HEADROOM;
-            metrics.stages[Metrics::input].add(1e-6 * result->header.inputMicros);
-            metrics.stages[Metrics::render].add(result->figures.lastPassSeconds);
-            if (result->figures.partition) socket_->sendText(partitionMessage(frameId, *result->figures.partition));
-        } else {
-            picture_.reset();
-            metrics.picturesSent++;
-        }
-        std::optional<uint32_t> replaced = socket_->sendPicture(std::move(result->picture));
-        if (replaced) {
-            metrics.framesReplaced++;
-            landed(*replaced);
-        }
-    }
-    loop_.wake();
-}
-
-/// The frame is not on its way any more. Pictures and frames acknowledged twice are not found, which is fine.
-void Session::landed(uint32_t frameId) {
-    std::erase_if(flights_, [&](const Flight& flight) { return flight.frameId == frameId; });
+    if (!frame.picture) metrics_.stages[Metrics::render].add(frame.figures.lastPassSeconds);
+    metrics_.nonfiniteSamples += frame.figures.nonfiniteSamples;
+    for (size_t i = 0; i < metrics_.rays.size(); i++) metrics_.rays[i] += frame.figures.rays.by[i];
+    viewer_.take(std::move(frame));
 }
 
 void Session::pathEnded(const FrameSummary& result) {
     std::lock_guard lock(mutex_);
     if (!playing_) return;
     playing_ = false;
-    socket_->sendText(pathMessage(false, result.frames > 0 ? std::optional(result) : std::nullopt));
+    viewer_.say(pathMessage(false, result.frames > 0 ? std::optional(result) : std::nullopt));
 }
 
 void Session::failed(const std::string& what) {
-    log().error("viewer {}: {}", viewer_, what);
+    log().error("viewer {}: {}", viewer_.number(), what);
     std::lock_guard lock(mutex_);
-    picture_.reset();
-    if (what != lastFailure_) socket_->sendText(errorMessage("rendering failed: " + what, "frame", std::nullopt));
+    viewer_.dropPicture();
+    if (what != lastFailure_) viewer_.say(errorMessage("rendering failed: " + what, "frame", std::nullopt));
     lastFailure_ = what;
-}
-
-void Session::written(FrameKind kind, double waitSeconds, double writeSeconds) {
-    host_.metrics().stages[Metrics::send].add(waitSeconds);
-    if (kind != FrameKind::frame) return;
-    std::lock_guard lock(mutex_);
-    stats_.frameWritten(waitSeconds, writeSeconds);
 }
 
 void Session::tick(Clock::time_point now) {
@@ -410,28 +324,22 @@ void Session::tick(Clock::time_point now) {
     std::lock_guard lock(mutex_);
     if (ended_) return;
     if (!authorized_) {
-        if (now - opened_ > TOKEN_WAIT) socket_->close(CloseCode::unauthorized, "no token within 5 seconds");
+        if (now - opened_ > TOKEN_WAIT) viewer_.close(CloseCode::unauthorized, "no token within 5 seconds");
         return;
     }
-    if (!flights_.empty() && now - flights_.front().since > STALL_CLOSE) {
-        host_.metrics().viewersStalled++;
-        log().warn("viewer {}: nothing acknowledged for 10 s, closed", viewer_);
-        socket_->close(CloseCode::stalled, "frames were not acknowledged for 10 seconds");
-        flights_.clear();  // closed once
-        return;
-    }
+    if (viewer_.closeIfStalled(now)) return;
     if (now - statsAt_ < STATS_EVERY || !scene_) return;
-    ViewerStats stats = stats_.take(std::chrono::duration<double>(now - statsAt_).count(), loop_.used());
+    ViewerStats stats = viewer_.takeStats(std::chrono::duration<double>(now - statsAt_).count(), loop_.used());
     statsAt_ = now;
     if (stats.device.empty()) stats.device = scene_->device->info().name;
     stats.viewers = viewers;
     stats.residentBytes = residentBytes();
-    socket_->sendText(statsMessage(stats));
+    viewer_.say(statsMessage(stats));
 }
 
 void Session::notice(const std::string& what) {
     std::lock_guard lock(mutex_);
-    if (authorized_ && !ended_) socket_->sendText(noticeMessage(what));
+    if (authorized_ && !ended_) viewer_.say(noticeMessage(what));
 }
 
 void Session::end() {

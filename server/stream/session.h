@@ -1,15 +1,9 @@
 #pragma once
-// One viewer: newest request in, newest frame out. It checks what the viewer asks, keeps the viewer's camera, settings and
-// credit, and stands between the socket, the render loop and the publisher. A fault of a viewer is answered to that viewer
-// alone.
+// Joins one viewer and the view it looks at: newest request in, newest frame out. It checks what the viewer asks, keeps the
+// camera and the settings, and says what becomes of them. A fault of a viewer is answered to that viewer alone.
 
 #include "server/stream/messages.h"
-#include "server/stream/metrics.h"
-#include "server/stream/publisher.h"
-#include "server/stream/stats_window.h"
-#include "server/net/viewer_socket.h"
-
-#include <deque>
+#include "server/stream/viewer.h"
 
 namespace heliograph {
 
@@ -38,7 +32,7 @@ public:
     virtual Metrics& metrics() = 0;
 };
 
-class Session : public ViewerPeer, public std::enable_shared_from_this<Session>, private FrameReceiver {
+class Session : public ViewerPeer, public std::enable_shared_from_this<Session>, private FrameReceiver, private ViewerListener {
 public:
     using Clock = std::chrono::steady_clock;
 
@@ -55,7 +49,9 @@ public:
     /// Greets the viewer and opens the first scene, unless a token has to come first.
     void begin();
     void receive(std::string_view text) override;
-    void written(FrameKind kind, double waitSeconds, double writeSeconds) override;
+    void written(FrameKind kind, double waitSeconds, double writeSeconds) override {
+        viewer_.written(kind, waitSeconds, writeSeconds);
+    }
     /// To be called some times a second: statistics, limits of time.
     void tick(Clock::time_point now);
     /// Tells the viewer something in one line.
@@ -63,16 +59,18 @@ public:
     /// The viewer has gone: ends all work without waiting.
     void end();
 
-    uint32_t viewer() const { return viewer_; }
+    uint32_t viewer() const { return viewer_.number(); }
 
 private:
-    struct Flight { uint32_t frameId; Clock::time_point since; };
-
-    Readiness readiness() override;
+    // FrameReceiver
+    Readiness readiness() override { return viewer_.readiness(); }
     void take(FinishedFrame&& frame) override;
     void pathEnded(const FrameSummary& result) override;
     void focused(const FocusRequest& request, const DepthAnswer& answer) override;
     void failed(const std::string& what) override;
+    // ViewerListener
+    void drained() override { loop_.wake(); }
+    void encodingFailed(const std::string& what) override { failed(what); }
 
     void handle(const CameraMessage& message);
     void handle(const SettingsMessage& message);
@@ -91,19 +89,18 @@ private:
     void sceneProgress(uint64_t order, const std::string& what, double share);
     void sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene);
     void sceneFailed(uint64_t order, const std::string& why);
-    void published(uint32_t frameId, std::optional<Published> result, const std::string& failure);
-    void landed(uint32_t frameId);
+    void refuse(const InputError& error, const std::string& about, std::optional<uint32_t> inputId);
+    void checkVisible(const char* message) const;
     void showLocked();
     void effectCosts(EffectMeter::News&& news);
     void dropEffectCosts(const std::string& why);
 
-    const uint32_t viewer_;
     SessionHost& host_;
-    const std::shared_ptr<ViewerSocket> socket_;
+    Metrics& metrics_;
     const Options options_;
     const Clock::time_point opened_ = Clock::now();
 
-    std::mutex mutex_;  // of all below; held while calling socket_ and loop_, never while calling host_
+    std::mutex mutex_;  // of what stands before viewer_; held while calling viewer_ and loop_, never while calling host_
     bool authorized_ = false;
     bool ended_ = false;
     ViewRequest request_;
@@ -113,12 +110,8 @@ private:
     std::string orderedName_;             // its scene
     std::shared_ptr<void> sceneTicket_;
     Clock::time_point progressAt_{};
-    std::optional<PictureFormat> picture_;  // asked for and not yet sent
-    std::deque<Flight> flights_;          // frames on their way
-    uint32_t lastFrameId_ = 0;
     bool playing_ = false;
     std::string lastFailure_;
-    StatsWindow stats_;
     Clock::time_point statsAt_{};
 
     uint64_t costsOrder_ = 0;             // the newest asked for
@@ -126,7 +119,7 @@ private:
     Clock::time_point costsAt_{};
 
     EffectMeter meter_;
-    Publisher publisher_;
+    Viewer viewer_;
     FrameLoop loop_;  // ends first
 };
 

@@ -2,20 +2,20 @@
 
 namespace heliograph {
 
-void StatsWindow::framePublished(const Published& frame) {
-    frames_++;
+void StatsWindow::frameSent(const EncodedFrame& frame) {
+    if (frames_++ == 0) last_.tiles.clear();
     passes_ += frame.figures.passes;
     render_ += frame.figures.renderSeconds;
     rays_ += frame.figures.rays.total();
-    develop_ += frame.costs.developSeconds;
-    encode_ += frame.costs.encodeSeconds;
-    service_ += frame.costs.coreSeconds;
+    develop_ += 1e-6 * frame.header.developMicros;
+    encode_ += 1e-6 * frame.header.encodeMicros;
+    service_ += frame.coreSeconds;
     // A device that works elsewhere takes no processor time here; its wall time stands for it.
     tracing_ += frame.figures.coreSeconds > 0.0 ? frame.figures.coreSeconds : frame.figures.renderSeconds;
     queue_ += 1e-6 * frame.header.inputMicros;
     last_.samples = frame.header.samples;
     last_.targetSamples = frame.targetSamples;
-    last_.relativeError = frame.costs.relativeError;
+    last_.relativeError = frame.header.relativeError;
     if (frame.figures.passes > 0) {
         last_.rays = frame.figures.lastRays;
         last_.schedule = frame.figures.schedule;

@@ -2,14 +2,14 @@
 // Gathers the figures of frames and makes the `stats` message of them.
 
 #include "server/stream/messages.h"
-#include "server/stream/publisher.h"
+#include "server/stream/picture_maker.h"
 
 namespace heliograph {
 
 class StatsWindow {
 public:
     /// A frame was handed to the socket.
-    void framePublished(const Published& frame);
+    void frameSent(const EncodedFrame& frame);
     /// A frame left: seconds since it was encoded, and processor seconds spent handing it to the system.
     void frameWritten(double waitSeconds, double writeSeconds);
     /// Figures since the last call, which lie `seconds` apart. Where no frame came the milliseconds stay as they were.

@@ -85,9 +85,9 @@ public:
     }
     void take(FinishedFrame&& frame) override {
         std::lock_guard lock(mutex);
-        if (frame.kind == FinishedFrame::Kind::frame) credit--;
+        if (!frame.picture) credit--;
         frame.film->develop(pixels);
-        frame.film.reset();  // as the publisher does in the end
+        frame.film.reset();  // as the encoder does in the end
         frames.push_back(std::move(frame));
         colors.push_back(pixels.empty() ? vec4(0.0f) : pixels.back());
         changed.notify_all();
@@ -325,8 +325,8 @@ TEST(FrameLoop, AFilmAtHalfScaleGivesAPictureAtFullScale) {
     half.settings.renderScale = 0.5f;
     s.loop.setScene(sceneOn(s.device), half);
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
-    s.loop.takePicture();
-    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().kind == FinishedFrame::Kind::picture; }));
+    s.loop.takePicture({1, PictureFormat::exr});
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().picture.has_value(); }));
     EXPECT_EQ(s.viewer.pixels.size(), 96u * 64);
     EXPECT_EQ(s.viewer.frames.back().samples, 3u);
     EXPECT_EQ(s.viewer.colors.back(), vec4(5, 0, 0, 3));
@@ -335,12 +335,12 @@ TEST(FrameLoop, AFilmAtHalfScaleGivesAPictureAtFullScale) {
 TEST(FrameLoop, APictureComesAlsoWhileTheCameraMoves) {
     Stage s;
     s.loop.setScene(sceneOn(s.device), wish(1, 64));
-    s.loop.takePicture();
+    s.loop.takePicture({1, PictureFormat::exr});
     uint32_t id = 1;
     auto has = [&] {
         std::lock_guard lock(s.viewer.mutex);
         return std::any_of(s.viewer.frames.begin(), s.viewer.frames.end(),
-                           [](const FinishedFrame& f) { return f.kind == FinishedFrame::Kind::picture; });
+                           [](const FinishedFrame& f) { return f.picture.has_value(); });
     };
     auto end = std::chrono::steady_clock::now() + PATIENCE;
     while (!has() && std::chrono::steady_clock::now() < end) {
@@ -413,7 +413,7 @@ TEST(FrameLoop, WithoutMemoryForAFilmTheViewerIsToldAndKeepsTheLastPicture) {
     ASSERT_TRUE(viewer.until([&] { return !viewer.failures.empty(); }));
     EXPECT_NE(viewer.failures[0].find("no memory for 7680 x 4320 pixels"), std::string::npos) << viewer.failures[0];
     EXPECT_EQ(viewer.frames.size(), 1u);
-    loop.takePicture();  // of the same size: told again, and nothing ends
+    loop.takePicture({1, PictureFormat::exr});  // of the same size: told again, and nothing ends
     loop.show(wish(3));
     ASSERT_TRUE(viewer.until([&] { return viewer.frames.back().view.inputId == 3 && viewer.frames.back().final; }));
     EXPECT_EQ(viewer.colors.back(), vec4(3, 0, 0, 1));
@@ -433,7 +433,7 @@ TEST(FrameLoop, WithoutMemoryForAPictureTheFilmGoesOn) {
     device->hold(true);
     loop.setScene(sceneOn(device), half);
     device->untilArrived();
-    loop.takePicture();
+    loop.takePicture({1, PictureFormat::exr});
     device->hold(false);
     ASSERT_TRUE(viewer.until([&] { return !viewer.failures.empty(); }));
     ASSERT_TRUE(viewer.until([&] { return !viewer.frames.empty() && viewer.frames.back().final; }));

@@ -470,6 +470,30 @@ TEST(Session, PicturesComeInTheirFormat) {
     EXPECT_EQ(line.host.metrics_.picturesSent, 3u);
 }
 
+TEST(Session, APictureOfTheSceneBeforeSaysNothingOfTheNextOne) {
+    Line line;
+    line.session->begin();
+    line.size(1000, 1000);
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.ack(line.socket->headers[0].frameId);
+    line.say({{"type", "picture"}, {"format", "png"}});
+    std::this_thread::sleep_for(10ms);  // it is being encoded, which takes longer
+    line.say({{"type", "scene"}, {"name", "second"}});
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("scene was changed"));
+    line.say({{"type", "picture"}, {"format", "exr"}});
+    auto codecs = [&] {
+        std::vector<FrameCodec> found;
+        for (const FrameHeader& header : line.socket->headers) {
+            if (header.kind == FrameKind::picture) found.push_back(header.codec);
+        }
+        return found;
+    };
+    ASSERT_TRUE(line.socket->until([&] { return !codecs().empty(); }));
+    line.say({{"type", "picture"}, {"format", "jpg"}});
+    ASSERT_TRUE(line.socket->until([&] { return codecs().size() >= 2; }));
+    EXPECT_EQ(codecs(), (std::vector{FrameCodec::exr, FrameCodec::jpeg})) << "the viewer was told that the PNG won't come";
+}
+
 TEST(Session, ThePathRunsAndReports) {
     Line line;
     line.session->begin();
@@ -589,15 +613,15 @@ TEST(Session, StatisticsComeWithTheTick) {
 
 TEST(StatsWindow, SharesAndMeansFollowFromTheSums) {
     StatsWindow window;
-    Published frame;
+    EncodedFrame frame;
     frame.figures.passes = 2;
     frame.figures.renderSeconds = 0.08;
     frame.figures.coreSeconds = 0.16;
     frame.figures.rays[RayKind::primary] = 8'000'000;
-    frame.costs.developSeconds = 0.006;
-    frame.costs.encodeSeconds = 0.010;
-    frame.costs.coreSeconds = 0.036;
-    window.framePublished(frame);
+    frame.header.developMicros = 6000;
+    frame.header.encodeMicros = 10000;
+    frame.coreSeconds = 0.036;
+    window.frameSent(frame);
     window.frameWritten(0.5, 0.004);
     ViewerStats stats = window.take(0.5, {1.0, 4.0});
     EXPECT_DOUBLE_EQ(stats.framesPerSecond, 2.0);
@@ -611,6 +635,19 @@ TEST(StatsWindow, SharesAndMeansFollowFromTheSums) {
     EXPECT_DOUBLE_EQ(rest.framesPerSecond, 0.0);
     EXPECT_DOUBLE_EQ(rest.ms.render, 40.0);
     EXPECT_DOUBLE_EQ(rest.deviceShare, 0.0);
+}
+
+TEST(StatsWindow, TilesAreThoseOfTheWindow) {
+    StatsWindow window;
+    EncodedFrame frame;
+    frame.figures.tiles = {{"embree", 40}};
+    window.frameSent(frame);
+    window.frameSent(frame);
+    EXPECT_EQ(window.take(0.5, {}).tiles, (std::map<std::string, uint64_t>{{"embree", 80}}));
+    EXPECT_EQ(window.take(0.5, {}).tiles.size(), 1u) << "at rest the last ones stay";
+    frame.figures.tiles = {{"vulkan:0", 20}};
+    window.frameSent(frame);
+    EXPECT_EQ(window.take(0.5, {}).tiles, (std::map<std::string, uint64_t>{{"vulkan:0", 20}}));
 }
 
 }  // namespace

@@ -1,0 +1,33 @@
+#include "server/stream/encode_thread.h"
+
+namespace heliograph {
+
+EncodeThread::EncodeThread(Done done) : done_(std::move(done)), thread_([this] { run(); }) {}
+
+void EncodeThread::finish() {
+    jobs_.close();
+    if (thread_.joinable()) thread_.join();
+}
+
+void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header) {
+    busy_.store(true, std::memory_order_release);
+    jobs_.put({std::move(frame), header});
+}
+
+void EncodeThread::run() {
+    while (std::optional<Job> job = jobs_.wait()) {
+        std::optional<EncodedFrame> encoded;
+        std::string failure;
+        try {
+            encoded = maker_.make(job->first, job->second);
+        } catch (const std::exception& e) {
+            failure = e.what();
+        }
+        const uint32_t frameId = job->second.frameId;
+        job.reset();  // the film is free for the next pass
+        busy_.store(false, std::memory_order_release);
+        done_(frameId, std::move(encoded), failure);
+    }
+}
+
+}  // namespace heliograph

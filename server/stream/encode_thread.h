@@ -1,0 +1,39 @@
+#pragma once
+// Makes bytes of finished frames, on a thread of its own so that the next pass renders meanwhile. It holds one frame at a
+// time: whoever has the next one waits until `busy` is over.
+
+#include "server/base/mailbox.h"
+#include "server/stream/picture_maker.h"
+
+#include <atomic>
+#include <functional>
+#include <thread>
+
+namespace heliograph {
+
+class EncodeThread {
+public:
+    /// Called from this thread, after which it is no longer busy. `encoded` or `failure` is set.
+    using Done = std::function<void(uint32_t frameId, std::optional<EncodedFrame> encoded, const std::string& failure)>;
+
+    explicit EncodeThread(Done done);
+    ~EncodeThread() { finish(); }
+
+    bool busy() const { return busy_.load(std::memory_order_acquire); }
+    /// `header`: what PictureMaker::make needs of it. Must not be called while busy.
+    void encode(FinishedFrame frame, const FrameHeader& header);
+    /// Ends after the frame in work and waits for that; what comes later is dropped.
+    void finish();
+
+private:
+    using Job = std::pair<FinishedFrame, FrameHeader>;
+    void run();
+
+    Done done_;
+    PictureMaker maker_;
+    Mailbox<Job> jobs_;
+    std::atomic<bool> busy_{false};
+    std::jthread thread_;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,82 @@
+#pragma once
+// One who looks at a view: its socket, its credit, and the codec and quality of what it is sent. Frames come finished from a
+// view, which knows nothing of who looks; several viewers may be given the same one, each makes its own bytes of it. What is
+// said and asked for is the session's.
+
+#include "server/net/viewer_socket.h"
+#include "server/stream/encode_thread.h"
+#include "server/stream/metrics.h"
+#include "server/stream/stats_window.h"
+
+#include <deque>
+
+namespace heliograph {
+
+/// What a viewer tells of itself; from any thread, without any lock of the viewer held.
+class ViewerListener {
+public:
+    virtual ~ViewerListener() = default;
+    /// It may take another frame now: the one event that drives delivery, whether credit came, a frame was encoded, or both.
+    virtual void drained() = 0;
+    /// A frame or picture could not be made into bytes.
+    virtual void encodingFailed(const std::string& what) = 0;
+};
+
+/// Safe from all threads.
+class Viewer {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    Viewer(uint32_t number, std::shared_ptr<ViewerSocket> socket, Metrics& metrics, ViewerListener& listener);
+    ~Viewer() { finish(); }
+
+    uint32_t number() const { return number_; }
+    void say(std::string text) { socket_->sendText(std::move(text)); }
+    void close(CloseCode code, const std::string& reason) { socket_->close(code, reason); }
+
+    /// JPEG quality of the frames from now on, 1..100.
+    void setQuality(uint32_t quality);
+    Readiness readiness() const;
+    /// Encodes and sends the frame; only when `readiness` is ready, for a picture when it is not busy.
+    void take(FinishedFrame frame);
+    /// The viewer has shown a frame. Throws InputError for one that was never sent.
+    void acknowledge(const AckMessage& message);
+
+    /// The order of a picture, which is to come back with its frame. Throws InputError while another one is being made.
+    PictureOrder orderPicture(PictureFormat format);
+    /// Gives up the picture that is being made; false if there is none.
+    bool dropPicture();
+
+    /// A frame or picture left, as ViewerPeer::written.
+    void written(FrameKind kind, double waitSeconds, double writeSeconds);
+    /// Closes the connection of one who has acknowledged nothing for STALL_CLOSE; true if so.
+    bool closeIfStalled(Clock::time_point now);
+    /// As StatsWindow::take.
+    ViewerStats takeStats(double seconds, Turns::Used used);
+    /// Ends after the frame in work and waits for that. After it the listener is not called any more.
+    void finish() { encoder_.finish(); }
+
+private:
+    struct Flight { uint32_t frameId; Clock::time_point since; };
+
+    void encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const std::string& failure);
+    void send(EncodedFrame&& frame);
+    void landed(uint32_t frameId);
+
+    const uint32_t number_;
+    const std::shared_ptr<ViewerSocket> socket_;
+    Metrics& metrics_;
+    ViewerListener& listener_;
+
+    mutable std::mutex mutex_;  // of all below; held while calling socket_
+    uint32_t quality_ = 80;
+    uint32_t lastFrameId_ = 0;
+    std::deque<Flight> flights_;  // frames on their way
+    uint32_t lastPicture_ = 0;
+    bool pictureAwaited_ = false;  // lastPicture_ was asked for and is not yet sent
+    StatsWindow stats_;
+
+    EncodeThread encoder_;  // ends first
+};
+
+}  // namespace heliograph

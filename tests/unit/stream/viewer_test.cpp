@@ -1,0 +1,130 @@
+#include "server/stream/viewer.h"
+
+#include "server/base/error.h"
+
+#include <gtest/gtest.h>
+
+namespace heliograph {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Keeps the headers of what is sent; counts events.
+struct Seat : ViewerSocket, ViewerListener {
+    void sendText(std::string) override {}
+    std::optional<uint32_t> sendPicture(OutgoingPicture picture) override {
+        std::lock_guard lock(mutex);
+        headers.push_back(readFrameHeader(std::span(picture.bytes).subspan(SOCKET_HEADROOM)));
+        return std::exchange(replaced, std::nullopt);
+    }
+    void close(CloseCode, const std::string&) override {}
+    void drained() override {
+        std::lock_guard lock(mutex);
+        drains++;
+        changed.notify_all();
+    }
+    void encodingFailed(const std::string& what) override {
+        std::lock_guard lock(mutex);
+        failures.push_back(what);
+    }
+    bool untilDrained(int count) {
+        std::unique_lock lock(mutex);
+        return changed.wait_for(lock, 30s, [&] { return drains >= count; });
+    }
+
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<FrameHeader> headers;
+    std::vector<std::string> failures;
+    std::optional<uint32_t> replaced;  // by the next frame
+    int drains = 0;
+    Metrics metrics;
+    // Without ownership: the seat is the socket too.
+    Viewer viewer{1, std::shared_ptr<ViewerSocket>(std::shared_ptr<ViewerSocket>(), this), metrics, *this};
+};
+
+/// A frame of a view, with something to see in it.
+FinishedFrame frameOf(uvec2 size, uint32_t generation) {
+    auto film = std::make_shared<Film>();
+    film->reset(size, generation);
+    for (const Tile& tile : film->tilesFor(0, 1, uvec2(64, 64))) {
+        TileResult result;
+        result.tile = tile;
+        for (uint32_t i = 0; i < tile.size.x * tile.size.y; i++) {
+            const float value = static_cast<float>(i * 2654435761u >> 24) / 255.0f;
+            result.radianceSum.push_back(vec4(value, 0.5f * value, 1.0f - value, value * value));
+        }
+        EXPECT_TRUE(film->add(result));
+    }
+    FinishedFrame frame;
+    frame.film = film;
+    frame.size = size;
+    frame.view.resolution = size;
+    frame.view.inputId = 7;
+    frame.generation = generation;
+    frame.samples = 1;
+    return frame;
+}
+
+TEST(Viewer, TwoLookAtOneViewEachAtTheirOwnQualityAndCredit) {
+    Seat sharp, coarse;
+    sharp.viewer.setQuality(95);
+    coarse.viewer.setQuality(20);
+    for (uint32_t generation : {1u, 2u}) {
+        const FinishedFrame frame = frameOf(uvec2(256, 128), generation);
+        for (Seat* seat : {&sharp, &coarse}) {
+            ASSERT_EQ(seat->viewer.readiness(), Readiness::ready);
+            seat->viewer.take(frame);
+        }
+        for (Seat* seat : {&sharp, &coarse}) ASSERT_TRUE(seat->untilDrained(static_cast<int>(generation)));
+        const FrameHeader &a = sharp.headers.back(), &b = coarse.headers.back();
+        EXPECT_EQ(a.generation, generation);
+        EXPECT_EQ(b.generation, generation);
+        EXPECT_EQ(a.inputId, 7u);
+        EXPECT_EQ(a.quality, 95);
+        EXPECT_EQ(b.quality, 20);
+        EXPECT_GT(a.payloadBytes, 2 * b.payloadBytes);
+    }
+    sharp.viewer.acknowledge({1, std::nullopt});
+    EXPECT_EQ(sharp.viewer.readiness(), Readiness::ready);
+    EXPECT_EQ(coarse.viewer.readiness(), Readiness::noCredit) << "it has acknowledged nothing";
+    EXPECT_EQ(sharp.drains, 3) << "an acknowledgement is room too";
+}
+
+TEST(Viewer, WhatIsNeverShownTakesNoCredit) {
+    Seat seat;
+    seat.viewer.take(frameOf(uvec2(70'000, 1), 1));  // wider than any JPEG
+    ASSERT_TRUE(seat.untilDrained(1));
+    ASSERT_EQ(seat.failures.size(), 1u);
+    for (int drains : {2, 3}) {
+        seat.replaced = drains == 3 ? std::optional(2u) : std::nullopt;
+        seat.viewer.take(frameOf(uvec2(16, 16), 2));
+        ASSERT_TRUE(seat.untilDrained(drains));
+    }
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::ready) << "of three, one is on its way";
+    EXPECT_FALSE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 9s));
+    EXPECT_TRUE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 11s));
+}
+
+TEST(Viewer, OnePictureAtATimeAndNoneThatWasGivenUp) {
+    Seat seat;
+    FinishedFrame frame = frameOf(uvec2(16, 16), 1);
+    frame.picture = seat.viewer.orderPicture(PictureFormat::png);
+    EXPECT_THROW(seat.viewer.orderPicture(PictureFormat::exr), InputError);
+    EXPECT_TRUE(seat.viewer.dropPicture());
+    EXPECT_FALSE(seat.viewer.dropPicture());
+    const PictureOrder next = seat.viewer.orderPicture(PictureFormat::exr);
+    seat.viewer.take(frame);  // the one that was given up comes late
+    ASSERT_TRUE(seat.untilDrained(1));
+    EXPECT_TRUE(seat.headers.empty());
+    frame.picture = next;
+    seat.viewer.take(frame);
+    ASSERT_TRUE(seat.untilDrained(2));
+    ASSERT_EQ(seat.headers.size(), 1u);
+    EXPECT_EQ(seat.headers[0].codec, FrameCodec::exr);
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::ready) << "pictures need no credit";
+    EXPECT_FALSE(seat.viewer.dropPicture()) << "it was sent";
+}
+
+}  // namespace
+}  // namespace heliograph
