@@ -136,7 +136,8 @@ TileSums renderTile(const EmbreeScene& scene, const FrameRequest& request, const
     TileSums sums;
     sums.radiance.assign(size_t(request.resolution.x) * request.resolution.y, vec4(0.0f));
     TileJob job;
-    job.rtcScene = scene.handle();
+    job.rtcScene = scene.target();
+    job.rtcScene.untraceable = &job.untraceableRays;
     job.view = &scene.view();
     job.frame = &frame;
     job.options.primaryWidth = job.options.secondaryWidth = width;

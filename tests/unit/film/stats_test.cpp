@@ -35,7 +35,7 @@ TEST(Stats, RayCountsAsJson) {
     rays[RayKind::reflection] = 4;
     rays[RayKind::refraction] = 5;
     EXPECT_EQ(toJson(rays).dump(),
-              R"({"primary":1,"shadow":2,"ambient_occlusion":3,"reflection":4,"refraction":5,"total":15})");
+              R"({"primary":1,"shadow":2,"ambient_occlusion":3,"reflection":4,"refraction":5,"total":15,"untraceable":0})");
 }
 
 }  // namespace
