@@ -99,7 +99,7 @@ std::vector<RayClass> makeRays(const Scene& scene, RayBench& bench, uvec2 size) 
 }
 
 /// Embree on the same rays, sixteen at a time on all cores; the answers are the reference.
-double traceEmbree(RTCScene scene, const RayClass& rays, bool coherent, std::vector<RayAnswer>& answers) {
+double traceEmbree(const TraceTarget& scene, const RayClass& rays, bool coherent, std::vector<RayAnswer>& answers) {
     size_t count = rays.rays.size();
     answers.resize(count);
     double begin = now();
@@ -171,7 +171,7 @@ ordered_json benchRays(const Options& options) {
             std::vector<RayAnswer> expected, answers;
             bool coherent = rays.name == "primary" || rays.name == "shadow";
             std::vector<double> seconds;
-            for (int i = 0; i < 5; i++) seconds.push_back(traceEmbree(reference.handle(), rays, coherent, expected));
+            for (int i = 0; i < 5; i++) seconds.push_back(traceEmbree(reference.target(), rays, coherent, expected));
             row["embree"] = rates(rays, seconds);
             row["ours"] = rates(rays, ours->trace(rays.rays, rays.anyHit, options.repetitions, warm, answers));
             row["ours"]["differ_from_embree"] = disagreements(rays, answers, expected);
