@@ -1,5 +1,5 @@
 #!/bin/sh
-# The include rules of docs/architecture.md: which folder may include which, and who may use which library.
+# The include rules of docs/guide/rooms.md: which folder may include which, and who may use which library.
 # check_includes.sh [ROOT]: prints every breach as FILE:LINE and why; exit code 1 if there is one.
 # check_includes.sh --self-test: plants breaches in a scratch tree and sees that each is found.
 set -eu

@@ -121,7 +121,7 @@ def frame():
     at(318, 3, 130, 'trace tiles', 'kernel stages,', 'any order', fill=BLUE)
     at(408, 2, 96, 'film', 'continues?', 'else refused', fill=GREEN)
     at(524, 2, 92, 'due?', 'credit left?')
-    at(560, 4, 136, 'develop, encode', 'tone, sRGB, JPEG', fill=YELLOW)
+    at(548, 4, 156, 'develop, encode', 'tone, sRGB, JPEG', fill=YELLOW)
     at(636, 2, 132, 'next pass', 'meanwhile')
     at(636, 3, 132, 'trace tiles', fill=BLUE)
     at(708, 1, 88, 'write', 'header, bytes')
@@ -136,7 +136,7 @@ def frame():
     d.arrow((616, y(2) + 36), (636, y(2) + 36))
     d.arrow((578, y(2) + 72), (578, y(4)), words='one slot', at=(584, y(4) - 36), anchor='start')
     d.arrow((700, y(2) + 72), (700, y(3)))
-    d.arrow((696, y(4) + 36), (784, y(4) + 36), (784, y(1) + 72), words='one slot', at=(790, y(4) + 12), anchor='start')
+    d.arrow((704, y(4) + 36), (784, y(4) + 36), (784, y(1) + 72), words='one slot', at=(790, y(4) + 12), anchor='start')
     d.arrow((760, y(1)), (760, y(0) + 50), (796, y(0) + 50))
     d.arrow((880, y(0) + 72), (880, y(1)), words='ack', at=(886, y(1) - 9), anchor='start')
     d.text(24, 582, 'Time runs to the right. Where two threads run at different speeds there is one slot: the newest '

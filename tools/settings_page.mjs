@@ -51,13 +51,8 @@ function entry(row) {
   return `### ${row.name}\n\n${fill(facts.filter((fact) => fact !== '').join(' '))}\n`;
 }
 
-function groupOf(row) {
-  if (row.group) return row.group;
-  return row.effect === '' ? 'General' : 'Effects';
-}
-
 const groups = new Map();
-for (const row of rows) groups.set(groupOf(row), [...(groups.get(groupOf(row)) ?? []), row]);
+for (const row of rows) groups.set(row.group, [...(groups.get(row.group) ?? []), row]);
 const title = (group) => group.charAt(0).toUpperCase() + group.slice(1);
 const intro = fill(
   'Made by `tools/settings_page.mjs` from `shaders/kernel/settings_table.glsl`: change the table, not this page. ' +

@@ -8,7 +8,7 @@
 
 namespace heliograph {
 
-/// The answer as JSON: docs/operations.md has the fields. `name`: how the scene is called in it. `loadMs`: what opening it
+/// The answer as JSON: docs/reference/commands.md has the fields. `name`: how the scene is called in it. `loadMs`: what opening it
 /// took.
 nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, double loadMs);
 /// Opens the scene and prints. Returns the exit code; throws InputError if it cannot be opened.

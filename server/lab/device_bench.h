@@ -41,7 +41,7 @@ DeviceBenchResult benchDevice(Device& device, RawBench* raw, std::shared_ptr<con
 /// Median over the repetitions of `costs` divided by the sum of `parts` in the same repetition; 0 without repetitions.
 double medianRatio(const std::vector<double>& costs, const std::vector<const std::vector<double>*>& parts);
 
-/// {scene, width, height, repetitions, raw:{<device>:...}, frame:{<device>:...}, hybrid}: fields in docs/benchmark.md.
+/// {scene, width, height, repetitions, raw:{<device>:...}, frame:{<device>:...}, hybrid}: fields in docs/reference/benchmarks.md.
 nlohmann::ordered_json toJson(const std::vector<DeviceBenchResult>& results);
 
 }  // namespace heliograph

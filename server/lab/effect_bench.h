@@ -51,7 +51,7 @@ struct EffectBenchResult {
 /// The device holds the scene already. One round before the first is not counted.
 EffectBenchResult benchEffects(Device& device, const Scene& scene, const EffectBenchOptions& options, const Progress& progress);
 
-/// {scene, device, width, height, repetitions, time, effects, rows:[...]}: fields in docs/benchmark.md.
+/// {scene, device, width, height, repetitions, time, effects, rows:[...]}: fields in docs/reference/benchmarks.md.
 nlohmann::ordered_json toJson(const EffectBenchResult& result);
 
 /// A view with every switch on (withAllAllowed) beside the same view with the needed ones alone (withOnlyCalledFor).

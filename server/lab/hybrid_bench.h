@@ -39,7 +39,7 @@ struct HybridBenchResult {
 /// times only. Throws what the device throws.
 HybridBenchResult benchHybrid(Device& device, const Scene& scene, const HybridBenchOptions& options, const Progress& progress);
 
-/// Fields in docs/benchmark.md.
+/// Fields in docs/reference/benchmarks.md.
 nlohmann::ordered_json toJson(const HybridBenchResult& result);
 
 }  // namespace heliograph

@@ -10,7 +10,7 @@ namespace heliograph {
 
 namespace {
 
-/// Fixed cost of a batch as measured (docs/scheduling.md): what a full-frame dispatch takes beside the work.
+/// Fixed cost of a batch as measured (docs/reference/scheduling.md): what a full-frame dispatch takes beside the work.
 struct BatchCost {
     const char* name;
     double batchSeconds;

@@ -1,5 +1,5 @@
 #pragma once
-// All limits of the wire, with what happens beyond them. docs/protocol.md prints this table.
+// All limits of the wire, with what happens beyond them. docs/reference/protocol.md prints this table.
 
 #include <chrono>
 #include <cstddef>

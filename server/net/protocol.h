@@ -1,5 +1,5 @@
 #pragma once
-// The words of `heliograph.v1` (docs/protocol.md): what a viewer may say, checked field by field before anything else sees
+// The words of `heliograph.v1` (docs/reference/protocol.md): what a viewer may say, checked field by field before anything else sees
 // it, and the header that goes before each picture. Pure functions, no sockets. What the server says is in messages.h.
 
 #include "server/base/error.h"

@@ -20,7 +20,7 @@ struct PassFigures {
     RayCounts lastRays;                     // the last pass
     std::map<std::string, uint64_t> tiles;  // by device
     uint64_t nonfiniteSamples = 0;
-    uint32_t devices = 0;                   // bit set of docs/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
+    uint32_t devices = 0;                   // bit set of docs/reference/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
     ScheduleReport schedule;                // of the last pass; without devices where one device alone was asked for
     std::shared_ptr<const Partition> partition;  // of the last pass, if the settings ask for it
 };

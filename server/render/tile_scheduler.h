@@ -1,7 +1,7 @@
 #pragma once
 // Gives the tiles of every viewer's frames to whichever device will finish them first. One for the whole server: it holds the
 // threads of all devices' streams and the turns by which viewers share them (turns.h). Who takes part and how much everyone
-// gets is decided by pure functions (balance.h, frame_balance.h; docs/scheduling.md).
+// gets is decided by pure functions (balance.h, frame_balance.h; docs/reference/scheduling.md).
 
 #include "server/schedule/frame_history.h"
 #include "server/schedule/hybrid_trial.h"

@@ -4,7 +4,7 @@
 //
 // The sizes of batches follow factoring: S. Hummel, E. Schonberg, L. Flynn, "Factoring: A Method for Scheduling
 // Parallel Loops", 1992, which refines C. Polychronopoulos, D. Kuck, "Guided Self-Scheduling", 1987: hand out most of a
-// worker's fair share at once, hold back what the predictions may be wrong by. docs/scheduling.md has the rules and
+// worker's fair share at once, hold back what the predictions may be wrong by. docs/reference/scheduling.md has the rules and
 // what they gain.
 
 #include <cstdint>

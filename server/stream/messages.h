@@ -1,5 +1,5 @@
 #pragma once
-// What the server says in `heliograph.v1`: each function makes the text of one control message (docs/protocol.md).
+// What the server says in `heliograph.v1`: each function makes the text of one control message (docs/reference/protocol.md).
 
 #include "server/request/effect_rules.h"
 #include "server/net/protocol.h"

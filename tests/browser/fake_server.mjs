@@ -1,4 +1,4 @@
-// A stand-in for the server, speaking docs/protocol.md, to work on the page without one and to test what a real server
+// A stand-in for the server, speaking docs/reference/protocol.md, to work on the page without one and to test what a real server
 // seldom does. Started like the real one: fake_server.mjs serve [SCENE] --listen 127.0.0.1:PORT
 // HELIOGRAPH_FAKE_OMIT leaves settings out of the table (names with commas).
 

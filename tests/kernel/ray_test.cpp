@@ -96,7 +96,7 @@ TEST(OffsetRayOrigin, IsAsSmallAsItClaims) {
 }
 
 // Triangles far larger than the hit's distance from the origin: the point's rounding follows the corners, the offset the
-// point. docs/stability.md states the limit; this pins where it begins.
+// point. docs/reference/stability.md states the limit; this pins where it begins.
 TEST(OffsetRayOrigin, HoldsForTrianglesUpTo30TimesTheHitsDistance) {
     Random random(8);
     for (double size : {3.0, 10.0, 30.0}) {

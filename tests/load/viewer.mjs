@@ -30,7 +30,7 @@ export function freePort() {
   });
 }
 
-/** The 64-byte header of docs/protocol.md; throws when the message is not a whole frame. */
+/** The 64-byte header of docs/reference/protocol.md; throws when the message is not a whole frame. */
 function readFrame(data, size) {
   if (data.length < HEADER_BYTES) throw new Error(`a binary message of ${data.length} bytes, less than a header`);
   const magic = data.toString('latin1', 0, 2);

@@ -1,4 +1,4 @@
-// `window.heliograph`: what the page knows, to be read by tests and in the browser's console (docs/client.md). Read-
+// `window.heliograph`: what the page knows, to be read by tests and in the browser's console (docs/reference/page.md). Read-
 // only.
 
 import type { Viewer } from '../viewer.js';

@@ -1,4 +1,4 @@
-// The binary messages of docs/protocol.md: a 64-byte header, little endian, and a picture.
+// The binary messages of docs/reference/protocol.md: a 64-byte header, little endian, and a picture.
 
 export const HEADER_BYTES = 64;
 

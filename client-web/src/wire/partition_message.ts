@@ -1,4 +1,4 @@
-// Who made which cell of a frame, and who worked when, as docs/protocol.md tells it.
+// Who made which cell of a frame, and who worked when, as docs/reference/protocol.md tells it.
 
 import { fieldsOf, isObject, listOf, textOf, type Fields } from './fields.js';
 import { ProtocolError } from './frame.js';

@@ -1,4 +1,4 @@
-// The server's control messages of docs/protocol.md. What comes from the server is checked here (and in frame.ts), so the rest
+// The server's control messages of docs/reference/protocol.md. What comes from the server is checked here (and in frame.ts), so the rest
 // of the page deals with typed values only.
 
 import type { Bounds, Camera } from '../camera/camera.js';

@@ -1,4 +1,4 @@
-// What the page may say to the server (docs/protocol.md).
+// What the page may say to the server (docs/reference/protocol.md).
 
 import type { Camera } from '../camera/camera.js';
 import type { SettingValues } from './protocol.js';

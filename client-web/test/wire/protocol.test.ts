@@ -3,7 +3,7 @@ import { test } from 'node:test';
 import { HEADER_BYTES, parseFrame, ProtocolError } from '../../src/wire/frame.js';
 import { parseMessage } from '../../src/wire/protocol.js';
 
-/** A header as docs/protocol.md lays it out, with distinct values in all fields. */
+/** A header as docs/reference/protocol.md lays it out, with distinct values in all fields. */
 function frameBytes(payload: readonly number[] = [0xff, 0xd8], headerBytes = HEADER_BYTES): ArrayBuffer {
   const buffer = new ArrayBuffer(headerBytes + payload.length);
   const view = new DataView(buffer);

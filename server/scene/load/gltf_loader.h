@@ -1,5 +1,5 @@
 #pragma once
-// glTF 2.0 files (.gltf, .glb). What is read and what is not: docs/scenes.md. Private to server/scene.
+// glTF 2.0 files (.gltf, .glb). What is read and what is not: docs/reference/scenes.md. Private to server/scene.
 
 #include "server/scene/build/scene_builder.h"
 

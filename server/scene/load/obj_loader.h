@@ -1,5 +1,5 @@
 #pragma once
-// Wavefront OBJ files with their MTL materials. What is read and what is not: docs/scenes.md. Private to server/scene.
+// Wavefront OBJ files with their MTL materials. What is read and what is not: docs/reference/scenes.md. Private to server/scene.
 
 #include "server/scene/build/scene_builder.h"
 

@@ -23,12 +23,12 @@ std::string grouped(uint64_t number) {
 
 TEST(Limits, AreThoseOfTheProtocolsPage) {
     std::ostringstream page;
-    page << std::ifstream(sourceFolder() / "docs/protocol.md").rdbuf();
+    page << std::ifstream(sourceFolder() / "docs/reference/protocol.md").rdbuf();
     std::string table = "## Limits\n\n| limit | unit | of what |\n| --- | --- | --- |\n";
 #define LIMIT_ROW(type, name, value, unit, what) table += "| " + grouped(whole(name)) + " | " unit " | " what " |\n";
     WIRE_LIMITS(LIMIT_ROW)
 #undef LIMIT_ROW
-    EXPECT_NE(page.str().find(table), std::string::npos) << "docs/protocol.md should say:\n" << table;
+    EXPECT_NE(page.str().find(table), std::string::npos) << "docs/reference/protocol.md should say:\n" << table;
 }
 
 }  // namespace
