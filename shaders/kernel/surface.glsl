@@ -80,6 +80,15 @@ void addTextureCoordinates(INOUT(Surface) s, vec3 us, uint ia, uint ib, uint ic,
                      ATTRIBUTE(ia, v1) * w + ATTRIBUTE(ib, v1) * u + ATTRIBUTE(ic, v1) * v);
 }
 
+void addTangent(INOUT(Surface) s, uint instance, uvec4 corners, float w, float u, float v, float winding) {
+    vec4 ta = TANGENT(corners.x);
+    vec3 tangent = pointOf(ta) * w + pointOf(TANGENT(corners.y)) * u + pointOf(TANGENT(corners.z)) * v;
+    if (HAS(EFFECT_INSTANCING)) tangent = transformVector(instance, tangent);
+    s.tangent = tangent;
+    bool has = MESH(INSTANCE(instance, mesh), hasTangents) != 0u;
+    s.tangentSign = SELECT(has, ta.w * winding, 0.0f);
+}
+
 Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread, Hit hit) {
     Surface s;
     uint triangle = INSTANCE(hit.instance, firstTriangle) + hit.primitive;
@@ -137,13 +146,6 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
         s.color = unpackColor(ATTRIBUTE(ia, color)) * w + unpackColor(ATTRIBUTE(ib, color)) * bary.u
                   + unpackColor(ATTRIBUTE(ic, color)) * bary.v;
     s.tangentSign = 0.0f;
-    if (HAS(EFFECT_TANGENTS)) {
-        vec4 ta = TANGENT(ia);
-        vec3 tangent = pointOf(ta) * w + pointOf(TANGENT(ib)) * bary.u + pointOf(TANGENT(ic)) * bary.v;
-        if (HAS(EFFECT_INSTANCING)) tangent = transformVector(hit.instance, tangent);
-        s.tangent = tangent;
-        bool has = MESH(INSTANCE(hit.instance, mesh), hasTangents) != 0u;
-        s.tangentSign = SELECT(has, ta.w * winding, 0.0f);
-    }
+    if (HAS(EFFECT_TANGENTS)) addTangent(s, hit.instance, corners, w, bary.u, bary.v, winding);
     return s;
 }

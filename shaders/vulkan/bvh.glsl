@@ -132,6 +132,15 @@ uint firstNode(vec3 origin, vec3 direction, float tMax) {
     return BVH_END;
 }
 
+// Turns a ray's origin and direction from world into object space.
+void intoInstance(uint instance, inout vec3 origin, inout vec3 direction) {
+    vec4 r0 = INSTANCE(instance, toObject0);
+    vec4 r1 = INSTANCE(instance, toObject1);
+    vec4 r2 = INSTANCE(instance, toObject2);
+    origin = vec3(dot(r0.xyz, origin) + r0.w, dot(r1.xyz, origin) + r1.w, dot(r2.xyz, origin) + r2.w);
+    direction = vec3(dot(r0.xyz, direction), dot(r1.xyz, direction), dot(r2.xyz, direction));
+}
+
 // Follows a ray from its origin up to tMax. TRACE_CLOSEST and TRACE_TRANSPARENT set `hit` (instance NO_INDEX = nothing);
 // TRACE_ANY returns FOUND_* bits. A ray that isn't traceable meets nothing.
 uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit hit) {
@@ -160,11 +169,8 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit 
                 BVH_NEXT
             } else {
                 inside = ref & 0x3fffffffu;
-                vec4 r0 = INSTANCE(inside, toObject0);
-                vec4 r1 = INSTANCE(inside, toObject1);
-                vec4 r2 = INSTANCE(inside, toObject2);
-                start = vec3(dot(r0.xyz, origin) + r0.w, dot(r1.xyz, origin) + r1.w, dot(r2.xyz, origin) + r2.w);
-                d = vec3(dot(r0.xyz, direction), dot(r1.xyz, direction), dot(r2.xyz, direction));
+                start = origin;
+                intoInstance(inside, start, d);
                 if ((group & 3u) != 0u) stack[top++] = group;
                 group = 0u;
                 stack[top++] = BVH_LEAVE;
@@ -187,12 +193,8 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit 
                 found |= FOUND_TRANSPARENT;
                 continue;
             }
-            Hit candidate;
-            candidate.instance = inside == NO_INDEX ? p1.w : inside;
-            candidate.primitive = p0.w;
-            if (HAS(EFFECT_ALPHA_MASK) && mode != TRACE_TRANSPARENT && p2.w == OPACITY_MASKED) {
-                if (BVH_HOLE(candidate)) continue;
-            }
+            Hit candidate = Hit(inside == NO_INDEX ? p1.w : inside, p0.w);
+            if (HAS(EFFECT_ALPHA_MASK) && mode != TRACE_TRANSPARENT && p2.w == OPACITY_MASKED && BVH_HOLE(candidate)) continue;
             if (mode == TRACE_ANY) return found | FOUND_BLOCKED;
             closest = t;
             hit = candidate;

@@ -13,6 +13,8 @@ namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 constexpr uint32_t BLOCK_LANES = 1024;  // pixels in work at once: a 32x32 block fits the second-level cache
 constexpr uint32_t END = 0xffffffffu;
 
+HELIOGRAPH_INLINE uint32_t lesser(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
 /// Grows, never shrinks, does not initialise; 64-byte aligned.
 template <typename T>
 struct Buffer {

@@ -3,7 +3,8 @@
 // shades LANES points at a time, and keeps each pixel's pending rays on a stack, so that every pixel sums its
 // contributions in the kernel's order whatever the block, packet or lane count. No shading maths here.
 
-#include "server/device/embree/tile_arena.h"
+#include "server/device/embree/occlusion_rays.h"
+#include "server/device/embree/shadow_rays.h"
 
 namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
@@ -14,14 +15,8 @@ public:
     using Path = typename KernelType::PathState;
     using Arrival = typename KernelType::Arrival;
 
-    TileTracer(TileJob& job, Arena& arena) : job_(job), arena_(arena) {
-        kernel_.scene = *job.view;
-        kernel_.frame = *job.frame;
-        while (arena_.shadowQueues < kernel_.frame.lightCount) {
-            arena_.shadows.reserve(arena_.shadowQueues + 16, arena_.shadowQueues);
-            arena_.shadows.data[arena_.shadowQueues++] = new ShadowQueue();
-        }
-    }
+    TileTracer(TileJob& job, Arena& arena)
+        : job_(job), arena_(arena), kernel_{*job.view, *job.frame}, shadows_(job, arena, kernel_), occlusion_(job, arena, kernel_) {}
 
     void render() {
         const Tile& tile = job_.tile;
@@ -32,7 +27,6 @@ public:
     }
 
 private:
-    static HELIOGRAPH_INLINE uint32_t lesser(uint32_t a, uint32_t b) { return a < b ? a : b; }
     void count(RayKind kind, uint64_t rays) { job_.rays[static_cast<size_t>(kind)] += rays; }
 
     void renderBlock(uint32_t x, uint32_t y, uint32_t width, uint32_t height, uint32_t sample) {
@@ -233,15 +227,12 @@ private:
         uint32_t lights = kernel_.frame.lightCount;
         uint32_t rays = kernel_.allLightSamples() + lights * kernel_.fogRays();
         uint32_t run = rays > 8 ? lesser(BLOCK_LANES, (8192u / rays + PACKET) / PACKET * PACKET) : BLOCK_LANES;
-        for (uint32_t l = 0; l < lights; l++)
-            arena_.shadows.data[l]->reserve(lesser(run, count) * (kernel_.lightSamples(l) + kernel_.fogRays()));
         for (uint32_t first = 0; first < count; first += run) {
             uint32_t end = lesser(first + run, count);
-            for (uint32_t l = 0; l < lights; l++) arena_.shadows.data[l]->count = 0;
-            arena_.occlusionCount = 0;
+            shadows_.begin(end - first);
             for (uint32_t i = first; i < end; i += LANES) shade(i, end);
-            for (uint32_t l = 0; l < lights; l++) traceShadows(l);
-            traceOcclusion();
+            shadows_.trace(mode().width, !secondary_);
+            occlusion_.trace(sample_);
         }
     }
 
@@ -255,12 +246,12 @@ private:
         Vec3 radiance = g.load(arena_.radiance);
         const Arrival a = kernel_.arrive(pixel, sample_, path, hit, radiance);
         g.store(arena_.radiance, radiance);
-        if (uint32_t bits = laneBits(a.occlusion) & g.mask()) pushOcclusion(g, bits, path, a);
+        if (uint32_t bits = laneBits(a.occlusion) & g.mask()) occlusion_.push(g, bits, path, a);
         pushNext(g, a);
         for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
             uint32_t own = kernel_.raysFromSurface(l, 1);
             for (uint32_t i = 0; i < own + kernel_.fogRays(); i++)
-                pushShadow(l, g, kernel_.rayToLight(l, i, own, sample_, pixel, path, a));
+                shadows_.push(l, g, kernel_.rayToLight(l, i, own, sample_, pixel, path, a));
         }
     }
 
@@ -268,7 +259,7 @@ private:
     void pushFog(uint32_t light, const Group& g, const Path& path, Float air) {
         Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
         for (uint32_t i = 0; i < kernel_.fogRays(); i++)
-            pushShadow(light, g, kernel_.pathFogRay(light, i, sample_, pixel, path, air));
+            shadows_.push(light, g, kernel_.pathFogRay(light, i, sample_, pixel, path, air));
     }
 
     HELIOGRAPH_INLINE void pushNext(const Group& g, const Arrival& a) {
@@ -300,180 +291,6 @@ private:
         to.salt = from.salt.v[i];
     }
 
-    HELIOGRAPH_INLINE void pushShadow(uint32_t light, const Group& g, const typename KernelType::ShadowRay& shadow) {
-        uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
-        if (bits) pushShadow(*arena_.shadows.data[light], g, bits, shadow.ray, shadow.contribution);
-    }
-
-    HELIOGRAPH_INLINE void pushShadow(ShadowQueue& queue, const Group& g, uint32_t bits, const RayLanes& ray,
-                                      Vec3 contribution) {
-        const uint32_t full = LANES >= 32 ? ~0u : (1u << LANES) - 1u;
-        if (bits == full && queue.count % LANES == 0) {
-            RTCRay16& packet = queue.packets.data[queue.count / PACKET];
-            uint32_t at = queue.count % PACKET;
-            auto put = [at](float* row, Float x) { std::memcpy(row + at, &x.v, sizeof x.v); };
-            put(packet.org_x, ray.origin.x);
-            put(packet.org_y, ray.origin.y);
-            put(packet.org_z, ray.origin.z);
-            put(packet.dir_x, ray.direction.x);
-            put(packet.dir_y, ray.direction.y);
-            put(packet.dir_z, ray.direction.z);
-            put(packet.tfar, ray.tMax);
-            std::memcpy(queue.contribution[0].data + queue.count, &contribution.x.v, sizeof contribution.x.v);
-            std::memcpy(queue.contribution[1].data + queue.count, &contribution.y.v, sizeof contribution.x.v);
-            std::memcpy(queue.contribution[2].data + queue.count, &contribution.z.v, sizeof contribution.x.v);
-            for (int i = 0; i < LANES; i++) queue.lanes.data[queue.count + i] = static_cast<uint16_t>(g.lane.v[i]);
-            queue.count += LANES;
-            return;
-        }
-        for (; bits; bits &= bits - 1) {
-            int i = __builtin_ctz(bits);
-            RTCRay16& packet = queue.packets.data[queue.count / PACKET];
-            uint32_t at = queue.count % PACKET;
-            packet.org_x[at] = ray.origin.x.v[i];
-            packet.org_y[at] = ray.origin.y.v[i];
-            packet.org_z[at] = ray.origin.z.v[i];
-            packet.dir_x[at] = ray.direction.x.v[i];
-            packet.dir_y[at] = ray.direction.y.v[i];
-            packet.dir_z[at] = ray.direction.z.v[i];
-            packet.tfar[at] = ray.tMax.v[i];
-            queue.contribution[0].data[queue.count] = contribution.x.v[i];
-            queue.contribution[1].data[queue.count] = contribution.y.v[i];
-            queue.contribution[2].data[queue.count] = contribution.z.v[i];
-            queue.lanes.data[queue.count++] = static_cast<uint16_t>(g.lane.v[i]);
-        }
-    }
-
-    void traceShadows(uint32_t light) {
-        ShadowQueue& queue = *arena_.shadows.data[light];
-        bool seen = !secondary_ && kernel_.shinesFromEye(light) != 0;  // by all that the camera's rays meet
-        bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0 && !seen;
-        bool coloured = (EFFECTS & kernel_.frame.effects & EFFECT_TRANSPARENT_SHADOWS) != 0;  // else as if opaque
-        TraceMode how{mode().width, !secondary_ && job_.coherentShadows};
-        if (traced) count(RayKind::shadow, queue.count);
-        for (uint32_t first = 0; first < queue.count; first += PACKET) {
-            RTCRay16& packet = queue.packets.data[first / PACKET];
-            uint32_t rays = lesser(PACKET, queue.count - first);
-            uint32_t blocked = 0;
-            uint32_t passed = 0;
-            if (traced) {
-                blocked = traceOccluded(job_.rtcScene, packet, rays, how, passed);
-                if (!coloured) blocked |= passed;
-                passed &= ~blocked;
-            }
-            for (uint32_t i = 0; i < rays; i++) {
-                if (blocked >> i & 1u) continue;
-                uint32_t lane = queue.lanes.data[first + i];
-                vec3 radiance(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
-                              queue.contribution[2].data[first + i]);
-                if (passed >> i & 1u) radiance = radiance * throughTransparent(packet, i);
-                arena_.radiance[0][lane] += radiance.x;
-                arena_.radiance[1][lane] += radiance.y;
-                arena_.radiance[2][lane] += radiance.z;
-            }
-        }
-    }
-
-    vec3 throughTransparent(const RTCRay16& packet, uint32_t i) {
-        vec3 origin(packet.org_x[i], packet.org_y[i], packet.org_z[i]);
-        vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
-        return transparentTransmittance(job_, origin, direction, packet.tfar[i],
-                                        job_.rays[static_cast<size_t>(RayKind::shadow)]);
-    }
-
-    void pushOcclusion(const Group& g, uint32_t bits, const Path& path, const Arrival& a) {
-        Vec3 origin = kernel_.offsetRayOrigin(a.surface.position, a.surface.geometricNormal);
-        Uint shift = kernel_.occlusionShift(Uvec2(g.load(arena_.pixelX), g.load(arena_.pixelY)), path.salt);
-        for (; bits; bits &= bits - 1) {
-            int i = __builtin_ctz(bits);
-            uint32_t number = arena_.occlusionCount++;
-            if (number / PACKET >= arena_.occlusion.capacity)
-                arena_.occlusion.reserve(BLOCK_LANES / PACKET, number / PACKET);
-            OcclusionGroup& to = arena_.occlusion.data[number / PACKET];
-            uint32_t at = number % PACKET;
-            putVector(to.origin, at, origin, i);
-            putVector(to.normal, at, a.shading.normal, i);
-            putVector(to.geometricNormal, at, a.surface.geometricNormal, i);
-            putVector(to.ambient, at, a.ambient, i);
-            to.shift[at] = shift.v[i];
-            to.lane[at] = static_cast<uint16_t>(g.lane.v[i]);
-        }
-    }
-
-    static HELIOGRAPH_INLINE void putVector(float (&to)[3][PACKET], uint32_t at, const Vec3& v, int i) {
-        to[0][at] = v.x.v[i];
-        to[1][at] = v.y.v[i];
-        to[2][at] = v.z.v[i];
-    }
-
-    static HELIOGRAPH_INLINE Vec3 getVector(const float (&from)[3][PACKET], uint32_t at) {
-        VectorFloat x, y, z;
-        std::memcpy(&x, from[0] + at, sizeof x);
-        std::memcpy(&y, from[1] + at, sizeof y);
-        std::memcpy(&z, from[2] + at, sizeof z);
-        return {Float(x), Float(y), Float(z)};
-    }
-
-    void traceOcclusion() {
-        uint32_t samples = kernel_.frame.aoSamples;
-        RTCRay16& rays = arena_.packet.ray;
-        TraceMode mode{job_.options.secondaryWidth, false};
-        for (uint32_t first = 0; first < arena_.occlusionCount; first += PACKET) {
-            OcclusionGroup& group = arena_.occlusion.data[first / PACKET];
-            uint32_t points = lesser(PACKET, arena_.occlusionCount - first);
-            uint32_t visible[PACKET] = {};
-            Hemisphere hemispheres[PACKET / LANES];
-            for (uint32_t at = 0; at < PACKET; at += LANES) hemispheres[at / LANES] = hemisphereOf(group, at);
-            std::memcpy(rays.org_x, group.origin[0], sizeof rays.org_x);
-            std::memcpy(rays.org_y, group.origin[1], sizeof rays.org_x);
-            std::memcpy(rays.org_z, group.origin[2], sizeof rays.org_x);
-            for (uint32_t index = 0; index < samples; index++) {
-                uvec2 point = kernel_.scene.sobol[kernel_.occlusionNumber(sample_, index)];
-                for (uint32_t at = 0; at < PACKET; at += LANES) aimOcclusion(hemispheres[at / LANES], at, point, rays);
-                for (float& distance : rays.tfar) distance = kernel_.frame.aoDistance;
-                uint32_t passed = 0;
-                uint32_t blocked = traceOccluded(job_.rtcScene, rays, points, mode, passed);
-                for (uint32_t i = 0; i < PACKET; i++) visible[i] += 1u - (blocked >> i & 1u);
-            }
-            count(RayKind::ambientOcclusion, uint64_t(samples) * points);
-            for (uint32_t at = 0; at < points; at += LANES) addAmbient(group, at, lesser(LANES, points - at), visible);
-        }
-    }
-
-    /// Where the occlusion rays of LANES points go: the same for all of their samples.
-    struct Hemisphere {
-        Vec3 normal, geometricNormal, tangent, bitangent;
-        Uint shift;
-    };
-
-    HELIOGRAPH_INLINE Hemisphere hemisphereOf(const OcclusionGroup& group, uint32_t at) {
-        Hemisphere h;
-        h.normal = getVector(group.normal, at);
-        h.geometricNormal = getVector(group.geometricNormal, at);
-        kernel_.orthonormalBasis(h.normal, h.tangent, h.bitangent);
-        std::memcpy(&h.shift.v, group.shift + at, sizeof h.shift.v);
-        return h;
-    }
-
-    HELIOGRAPH_INLINE void aimOcclusion(const Hemisphere& h, uint32_t at, uvec2 point, RTCRay16& rays) {
-        Vec3 d = kernel_.occlusionDirection(Uvec2(point), h.shift, h.normal, h.geometricNormal, h.tangent, h.bitangent);
-        std::memcpy(rays.dir_x + at, &d.x.v, sizeof d.x.v);
-        std::memcpy(rays.dir_y + at, &d.y.v, sizeof d.x.v);
-        std::memcpy(rays.dir_z + at, &d.z.v, sizeof d.x.v);
-    }
-
-    void addAmbient(const OcclusionGroup& group, uint32_t at, uint32_t points, const uint32_t* visible) {
-        VectorUint seen;
-        std::memcpy(&seen, visible + at, sizeof seen);
-        Vec3 ambient = getVector(group.ambient, at) * kernel_.occlusionVisibility(Uint(seen));
-        for (uint32_t i = 0; i < points; i++) {
-            uint32_t lane = group.lane[at + i];
-            arena_.radiance[0][lane] += ambient.x.v[i];
-            arena_.radiance[1][lane] += ambient.y.v[i];
-            arena_.radiance[2][lane] += ambient.z.v[i];
-        }
-    }
-
     void collect(uint32_t lanes) {
         alignas(64) float squared[LANES];
         for (uint32_t first = 0; first < lanes; first += LANES) {
@@ -503,6 +320,8 @@ private:
     TileJob& job_;
     Arena& arena_;
     KernelType kernel_;
+    ShadowRays<EFFECTS> shadows_;
+    OcclusionRays<EFFECTS> occlusion_;
     uint32_t sample_ = 0;
     uint32_t hitCount_ = 0;
     uint32_t missCount_ = 0;

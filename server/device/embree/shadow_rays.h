@@ -1,0 +1,119 @@
+#pragma once
+// Rays to the lights: the queue of each light, and what those that get through add to their pixels.
+
+#include "server/device/embree/tile_arena.h"
+
+namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
+
+template <uint32_t EFFECTS>
+class ShadowRays {
+public:
+    using KernelType = Kernel<EFFECTS>;
+
+    ShadowRays(TileJob& job, Arena& arena, KernelType& kernel) : job_(job), arena_(arena), kernel_(kernel) {
+        while (arena_.shadowQueues < kernel_.frame.lightCount) {
+            arena_.shadows.reserve(arena_.shadowQueues + 16, arena_.shadowQueues);
+            arena_.shadows.data[arena_.shadowQueues++] = new ShadowQueue();
+        }
+    }
+
+    /// Empties the queues and makes room for all rays of `points` points.
+    void begin(uint32_t points) {
+        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++)
+            arena_.shadows.data[l]->reserve(points * (kernel_.lightSamples(l) + kernel_.fogRays()));
+    }
+
+    /// Queues the rays of a group that would add something.
+    HELIOGRAPH_INLINE void push(uint32_t light, const Group& g, const typename KernelType::ShadowRay& shadow) {
+        uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
+        if (bits) push(*arena_.shadows.data[light], g, bits, shadow.ray, shadow.contribution);
+    }
+
+    /// Traces what is queued. `width` as TraceMode has it; `fromEye`: the points were met by the camera's rays.
+    void trace(uint32_t width, bool fromEye) {
+        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) traceLight(l, width, fromEye);
+    }
+
+private:
+    HELIOGRAPH_INLINE void push(ShadowQueue& queue, const Group& g, uint32_t bits, const RayLanes& ray,
+                                      Vec3 contribution) {
+        const uint32_t full = LANES >= 32 ? ~0u : (1u << LANES) - 1u;
+        if (bits == full && queue.count % LANES == 0) {
+            RTCRay16& packet = queue.packets.data[queue.count / PACKET];
+            uint32_t at = queue.count % PACKET;
+            auto put = [at](float* row, Float x) { std::memcpy(row + at, &x.v, sizeof x.v); };
+            put(packet.org_x, ray.origin.x);
+            put(packet.org_y, ray.origin.y);
+            put(packet.org_z, ray.origin.z);
+            put(packet.dir_x, ray.direction.x);
+            put(packet.dir_y, ray.direction.y);
+            put(packet.dir_z, ray.direction.z);
+            put(packet.tfar, ray.tMax);
+            std::memcpy(queue.contribution[0].data + queue.count, &contribution.x.v, sizeof contribution.x.v);
+            std::memcpy(queue.contribution[1].data + queue.count, &contribution.y.v, sizeof contribution.x.v);
+            std::memcpy(queue.contribution[2].data + queue.count, &contribution.z.v, sizeof contribution.x.v);
+            for (int i = 0; i < LANES; i++) queue.lanes.data[queue.count + i] = static_cast<uint16_t>(g.lane.v[i]);
+            queue.count += LANES;
+            return;
+        }
+        for (; bits; bits &= bits - 1) {
+            int i = __builtin_ctz(bits);
+            RTCRay16& packet = queue.packets.data[queue.count / PACKET];
+            uint32_t at = queue.count % PACKET;
+            packet.org_x[at] = ray.origin.x.v[i];
+            packet.org_y[at] = ray.origin.y.v[i];
+            packet.org_z[at] = ray.origin.z.v[i];
+            packet.dir_x[at] = ray.direction.x.v[i];
+            packet.dir_y[at] = ray.direction.y.v[i];
+            packet.dir_z[at] = ray.direction.z.v[i];
+            packet.tfar[at] = ray.tMax.v[i];
+            queue.contribution[0].data[queue.count] = contribution.x.v[i];
+            queue.contribution[1].data[queue.count] = contribution.y.v[i];
+            queue.contribution[2].data[queue.count] = contribution.z.v[i];
+            queue.lanes.data[queue.count++] = static_cast<uint16_t>(g.lane.v[i]);
+        }
+    }
+
+    void traceLight(uint32_t light, uint32_t width, bool fromEye) {
+        ShadowQueue& queue = *arena_.shadows.data[light];
+        bool seen = fromEye && kernel_.shinesFromEye(light) != 0;  // by all that the camera's rays meet
+        bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0 && !seen;
+        bool coloured = (EFFECTS & kernel_.frame.effects & EFFECT_TRANSPARENT_SHADOWS) != 0;  // else as if opaque
+        TraceMode how{width, fromEye && job_.coherentShadows};
+        if (traced) job_.rays[static_cast<size_t>(RayKind::shadow)] += queue.count;
+        for (uint32_t first = 0; first < queue.count; first += PACKET) {
+            RTCRay16& packet = queue.packets.data[first / PACKET];
+            uint32_t rays = lesser(PACKET, queue.count - first);
+            uint32_t blocked = 0;
+            uint32_t passed = 0;
+            if (traced) {
+                blocked = traceOccluded(job_.rtcScene, packet, rays, how, passed);
+                if (!coloured) blocked |= passed;
+                passed &= ~blocked;
+            }
+            for (uint32_t i = 0; i < rays; i++) {
+                if (blocked >> i & 1u) continue;
+                uint32_t lane = queue.lanes.data[first + i];
+                vec3 radiance(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
+                              queue.contribution[2].data[first + i]);
+                if (passed >> i & 1u) radiance = radiance * throughTransparent(packet, i);
+                arena_.radiance[0][lane] += radiance.x;
+                arena_.radiance[1][lane] += radiance.y;
+                arena_.radiance[2][lane] += radiance.z;
+            }
+        }
+    }
+
+    vec3 throughTransparent(const RTCRay16& packet, uint32_t i) {
+        vec3 origin(packet.org_x[i], packet.org_y[i], packet.org_z[i]);
+        vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
+        return transparentTransmittance(job_, origin, direction, packet.tfar[i],
+                                        job_.rays[static_cast<size_t>(RayKind::shadow)]);
+    }
+
+    TileJob& job_;
+    Arena& arena_;
+    KernelType& kernel_;
+};
+
+}  // namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE
