@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <system_error>
 #include <stdexcept>
 #include <thread>
 
@@ -217,15 +218,23 @@ private:
         std::vector<Tile> left(tiles.begin(), tiles.end());
         std::mutex deliveredMutex;
         std::set<TileKey> delivered;
+        std::exception_ptr sinkError;  // no fault of the device
         auto counting = [&](TileResult&& result) {
             TileKey key = keyOf(result.tile);
-            sink(std::move(result));
+            try {
+                sink(std::move(result));
+            } catch (...) {
+                std::lock_guard lock(deliveredMutex);
+                if (!sinkError) sinkError = std::current_exception();
+                throw;
+            }
             std::lock_guard lock(deliveredMutex);
             delivered.insert(key);
         };
         try {
             return device->render(request, tiles, counting, stop);
         } catch (const std::exception& error) {
+            if (sinkError) std::rethrow_exception(sinkError);
             setAside(name, error.what());
         }
         std::erase_if(left, [&](const Tile& tile) { return delivered.contains(keyOf(tile)); });
@@ -345,12 +354,17 @@ private:
                 std::lock_guard lock(mutex_);
                 running_++;
             }
-            crew.run([this, task = std::move(task)] {
+            const std::function<void()> counted = [this, task = std::move(task)] {
                 task();
                 std::lock_guard lock(mutex_);
                 running_--;
                 changed_.notify_all();
-            });
+            };
+            try {
+                crew.run(counted);
+            } catch (const std::system_error&) {
+                counted();  // no thread to be had: who asked for it does it
+            }
         }
 
     private:

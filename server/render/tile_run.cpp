@@ -278,6 +278,7 @@ void TileRun::take(uint32_t device, TileResult&& result) {
         cells_[tile].notify_all();
         std::lock_guard lock(mutex_);
         if (!sinkError_) sinkError_ = std::current_exception();
+        stop_.request_stop();
         changed_.notify_all();
         return;
     }

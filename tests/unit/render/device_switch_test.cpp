@@ -9,7 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <thread>
+#include <new>
+#include <system_error>
 
 namespace heliograph {
 namespace {
@@ -320,6 +321,31 @@ TEST_F(Hybrid, ALukewarmDeviceTakesPartWhileItCompiles) {
         return gpu.calls > calls;
     }));
     EXPECT_TRUE(test::until([&] { return gpu.warmUps > 0; }));
+}
+
+// One viewer's film finds no memory, say: nobody else hears of it, and no device is set aside.
+TEST_F(Hybrid, WhatTheSinkThrowsIsNotTheDevicesFault) {
+    settings.set("device", "vulkan:0");
+    make(true);
+    FrameRequest request;
+    request.settings = settings;
+    request.resolution = uvec2(160, 160);
+    film.reset(request.resolution, 0);
+    auto sink = [](TileResult&&) { throw std::bad_alloc(); };
+    EXPECT_THROW(device->render(request, film.tilesFor(0, 1, uvec2(32)), sink, {}), std::bad_alloc);
+    EXPECT_TRUE(notices.empty());
+    EXPECT_EQ(render().tiles.count("embree"), 0u) << "vulkan:0 still renders";
+}
+
+TEST_F(Hybrid, WithoutThreadsDevicesAreMadeReadyByWhoAsks) {
+    TileScheduler poor([](std::function<void()>) { throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again)); });
+    device = makeDeviceSwitch(offer, poor, {.notice = [this](const std::string& what) { notices.push_back(what); }});
+    device->load(std::make_shared<Scene>(), settings, {});
+    EXPECT_EQ(render().samples, 1u);
+    EXPECT_EQ(render().samples, 1u);
+    EXPECT_TRUE(notices.empty());
+    EXPECT_GT(cpu.calls + gpu.calls, 0u);
+    device.reset();
 }
 
 TEST_F(Hybrid, ATracedDeviceAloneHasTheProcessorBehindIt) {
