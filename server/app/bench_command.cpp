@@ -65,8 +65,7 @@ std::string dumped(const nlohmann::ordered_json& json) {
 void printForPeople(const FrameBenchResult& r, std::ostream& out) {
     const nlohmann::ordered_json json = toJson(r);
     auto number = [&](const char* key) { return json[key].get<double>(); };
-    out << r.scene << " on " << r.device
-        << formatted(", %ux%u, %zu frames", r.resolution.x, r.resolution.y, r.rays.size())
+    out << r.scene << " on " << r.device << formatted(", %ux%u, %zu frames", r.resolution.x, r.resolution.y, r.rays.size())
         << (r.path.empty() ? ", camera at rest" : ", along the path " + r.path) << "\n";
     out << formatted("  ms a frame       mean %.2f  median %.2f  95 of 100 below %.2f\n", number("ms_mean"),
                      number("ms_median"), number("ms_p95"));
@@ -93,15 +92,16 @@ void printHybrid(const char* label, const nlohmann::ordered_json& h, std::ostrea
         out << formatted("  %-22s %9.2f ms alone", device.c_str(), side["ms"].get<double>());
         if (h["scheduled_alone"].contains(device)) {
             const nlohmann::ordered_json& s = h["scheduled_alone"][device];
-            out << formatted("   %9.2f ms through the scheduler (%+.1f %%)", s["ms"].get<double>(), 100.0 * s["loss"].get<double>());
+            out << formatted("   %9.2f ms through the scheduler (%+.1f %%)", s["ms"].get<double>(),
+                             100.0 * s["loss"].get<double>());
         }
         out << "\n";
     }
-    out << formatted("  %-22s %9.2f ms   %.3f times the best alone, %.3f of the sum of rates\n", "together", h["ms"].get<double>(),
-                     h["ratio"].get<double>(), h["sum_of_rates_ratio"].get<double>());
+    out << formatted("  %-22s %9.2f ms   %.3f times the best alone, %.3f of the sum of rates\n", "together",
+                     h["ms"].get<double>(), h["ratio"].get<double>(), h["sum_of_rates_ratio"].get<double>());
     for (const auto& part : h["parts"]) {
-        out << formatted("    %-20s %-6s %5.1f %%", part["device"].get<std::string>().c_str(), part["part"].get<std::string>().c_str(),
-                         100.0 * part["share"].get<double>())
+        out << formatted("    %-20s %-6s %5.1f %%", part["device"].get<std::string>().c_str(),
+                         part["part"].get<std::string>().c_str(), 100.0 * part["share"].get<double>())
             << "  " << part["reason"].get<std::string>() << "\n";
     }
     out << formatted("  lost at the end %.3f ms, deciding %.3f ms, %.0f batches\n", h["end_loss_ms"].get<double>(),
@@ -153,13 +153,14 @@ void addScheduleBench(CLI::App& bench, std::function<int()>& run) {
     schedule->add_option("--frames", options->simulated, "Frames to simulate; the second half counts")
         ->type_name("N")
         ->capture_default_str();
-    schedule->footer("Renders a few frames of each scene and counts the rays of each cell of 8x8 pixels. Then devices that are only\n"
-                     "simulated share frames of these costs: 2 to 16 devices with rates from 1:1 to 1:50 and fixed costs of a batch\n"
-                     "as measured, a GPU beside 15 processor cores, 1,000 nodes. Compared: our policy, equal and proportional strips, the\n"
-                     "balancer of RayEngine, one shared counter. Figures are times of a frame over a bound that none can go below.\n"
-                     "Examples:\n"
-                     "  heliograph bench schedule\n"
-                     "  heliograph bench schedule --scene glass --json");
+    schedule->footer(
+        "Renders a few frames of each scene and counts the rays of each cell of 8x8 pixels. Then devices that are only\n"
+        "simulated share frames of these costs: 2 to 16 devices with rates from 1:1 to 1:50 and fixed costs of a batch\n"
+        "as measured, a GPU beside 15 processor cores, 1,000 nodes. Compared: our policy, equal and proportional strips, the\n"
+        "balancer of RayEngine, one shared counter. Figures are times of a frame over a bound that none can go below.\n"
+        "Examples:\n"
+        "  heliograph bench schedule\n"
+        "  heliograph bench schedule --scene glass --json");
     schedule->callback([&run, options] { run = [options] { return runBenchSchedule(*options, std::cout); }; });
 }
 
@@ -282,11 +283,12 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
         ->type_name("N")
         ->capture_default_str();
     frames->add_option("--csv", options->csv, "Also write one line a frame into this file")->type_name("FILE");
-    frames->footer("Every frame has one sample per pixel, as while a viewer moves; without a path the camera rests.\n"
-                   "Examples:\n"
-                   "  heliograph bench frames courtyard\n"
-                   "  heliograph bench frames model.glb --frames 200 --set ambientOcclusion=on --csv frames.csv\n\n" +
-                   settingsHelp());
+    frames->footer(
+        "Every frame has one sample per pixel, as while a viewer moves; without a path the camera rests.\n"
+        "Examples:\n"
+        "  heliograph bench frames courtyard\n"
+        "  heliograph bench frames model.glb --frames 200 --set ambientOcclusion=on --csv frames.csv\n\n" +
+        settingsHelp());
     frames->callback([&run, options] { run = [options] { return runBenchFrames(*options, std::cout); }; });
 
     CLI::App* devices = bench->add_subcommand("devices", "What a device's frames cost beside its bare ray tracing");
@@ -298,12 +300,13 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
         ->type_name("N")
         ->delimiter(',')
         ->capture_default_str();
-    devices->footer("Measures primary and shadow rays, the same with 9 rays of ambient occlusion, and ray by ray instead of\n"
-                    "in packets, in turns. Bare rays: the same rays, traced in packets and not shaded. Core ms: processor\n"
-                    "time of all threads together. With --device hybrid also all devices together, beside each one alone.\n"
-                    "Examples:\n"
-                    "  heliograph bench devices courtyard --size 1280x720 --json\n"
-                    "  heliograph bench devices courtyard --device hybrid --frame-samples 1,4,16");
+    devices->footer(
+        "Measures primary and shadow rays, the same with 9 rays of ambient occlusion, and ray by ray instead of\n"
+        "in packets, in turns. Bare rays: the same rays, traced in packets and not shaded. Core ms: processor\n"
+        "time of all threads together. With --device hybrid also all devices together, beside each one alone.\n"
+        "Examples:\n"
+        "  heliograph bench devices courtyard --size 1280x720 --json\n"
+        "  heliograph bench devices courtyard --device hybrid --frame-samples 1,4,16");
     devices->callback([&run, options] { run = [options] { return runBenchDevices(*options, std::cout); }; });
     addScheduleBench(*bench, run);
     addBenchEffects(*bench, run);

@@ -9,12 +9,12 @@
 namespace heliograph {
 
 struct BenchOptions : SceneOptions {
-    int64_t frames = 60;      // bench frames
-    int64_t repetitions = 9;  // bench devices
-    std::vector<int64_t> frameSamples{1};  // bench devices --device hybrid
+    int64_t frames = 60;                                                 // bench frames
+    int64_t repetitions = 9;                                             // bench devices
+    std::vector<int64_t> frameSamples{1};                                // bench devices --device hybrid
     std::vector<std::string> scenes{"courtyard", "cathedral", "glass"};  // bench schedule
-    int64_t simulated = 60;   // bench schedule: frames
-    std::string csv;          // file for one line a frame, or empty
+    int64_t simulated = 60;                                              // bench schedule: frames
+    std::string csv;                                                     // file for one line a frame, or empty
 };
 
 /// Each prints its result and returns the exit code; throws InputError before any work if an argument is bad.

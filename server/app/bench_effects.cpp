@@ -75,10 +75,10 @@ std::string listed(const std::vector<std::string>& words) {
 
 template <typename Result>
 std::string heading(const Result& r) {
-    return oneLine(r.scene) + " on " + r.device
-           + formatted(", %ux%u, %u repetitions, ratios of %s time\n", r.resolution.x, r.resolution.y, r.repetitions,
-                       r.core ? "processor" : "wall")
-           + "effects of the view: " + listed(r.effects) + "\n";
+    return oneLine(r.scene) + " on " + r.device +
+           formatted(", %ux%u, %u repetitions, ratios of %s time\n", r.resolution.x, r.resolution.y, r.repetitions,
+                     r.core ? "processor" : "wall") +
+           "effects of the view: " + listed(r.effects) + "\n";
 }
 
 std::string ratioText(const PairedTiming& timing, bool core) {
@@ -87,19 +87,22 @@ std::string ratioText(const PairedTiming& timing, bool core) {
 }
 
 void printForPeople(const EffectBenchResult& r, std::ostream& out) {
-    out << heading(r) << formatted("%-26s %9s %9s %8s %12s %12s\n", "effect", "on ms", "off ms", "on/off", "rays on", "rays off");
+    out << heading(r)
+        << formatted("%-26s %9s %9s %8s %12s %12s\n", "effect", "on ms", "off ms", "on/off", "rays on", "rays off");
     for (const EffectBenchResult::Row& row : r.rows) {
         const Timing &on = row.time.first, &off = row.time.second;
-        out << formatted("%-26s %9.2f %9.2f %8.3f %12llu %12llu  ", row.effect.name.c_str(), median(r.core ? on.coreMs : on.wallMs),
-                         median(r.core ? off.coreMs : off.wallMs), ratioOf(row.time, r.core).median,
-                         static_cast<unsigned long long>(on.rays.total()), static_cast<unsigned long long>(off.rays.total()))
+        out << formatted("%-26s %9.2f %9.2f %8.3f %12llu %12llu  ", row.effect.name.c_str(),
+                         median(r.core ? on.coreMs : on.wallMs), median(r.core ? off.coreMs : off.wallMs),
+                         ratioOf(row.time, r.core).median, static_cast<unsigned long long>(on.rays.total()),
+                         static_cast<unsigned long long>(off.rays.total()))
             << (row.effect.calledFor ? "" : "not called for: ") << oneLine(row.effect.because) << "\n";
     }
 }
 
 void printForPeople(const EffectCheckResult& r, std::ostream& out) {
     out << heading(r) << "off in the second view: " << listed(r.switchedOff) << "\n";
-    out << "  picture     " << (r.identical() ? "the same bit for bit" : std::to_string(r.differingPixels) + " pixels differ") << "\n";
+    out << "  picture     " << (r.identical() ? "the same bit for bit" : std::to_string(r.differingPixels) + " pixels differ")
+        << "\n";
     out << "  time        everything allowed over only what is called for: " << ratioText(r.time, r.core)
         << formatted(", limit %.1f %%\n", 100.0 * r.limit);
     out << "              equal requests: " << ratioText(r.noise, r.core) << "\n";
@@ -141,8 +144,7 @@ uint64_t pictureHash(const Film& film) {
 /// The part of a process that --against has started.
 int answerFrames(const BenchEffectsOptions& options, std::istream& in, std::ostream& out) {
     Opened bench = opened(options, {});
-    FrameRequest request =
-        frameRequest(*bench.scene, bench.bounds.camera, bench.bounds.settings, bench.bounds.resolution, 0);
+    FrameRequest request = frameRequest(*bench.scene, bench.bounds.camera, bench.bounds.settings, bench.bounds.resolution, 0);
     const DeviceInfo info = bench.device->infoFor(request.settings);
     const json greeting = {{"device", info.name + " (" + info.details + ")"},
                            {"scene", bench.scene->name},
@@ -184,8 +186,7 @@ EffectAgainstResult benchAgainst(const BenchEffectsOptions& options, const Progr
     result.repetitions = bounds.repetitions;
     result.limit = options.limit / 100.0;
     const std::vector<std::string> arguments = partnerArguments(options, options.scene);
-    const std::vector<std::string> others =
-        options.beside.empty() ? arguments : partnerArguments(options, options.beside);
+    const std::vector<std::string> others = options.beside.empty() ? arguments : partnerArguments(options, options.beside);
     const std::string otherProgram = options.against.empty() ? ownProgram() : options.against;
     for (; result.starts < bounds.repetitions; result.starts++) {
         BenchPartner own(ownProgram(), arguments), other(otherProgram, others);
@@ -205,7 +206,9 @@ EffectAgainstResult benchAgainst(const BenchEffectsOptions& options, const Progr
             if (i >= WARM_UP_PAIRS) pairs.emplace_back(std::move(first), std::move(second));
         }
         const char* time = result.core ? "core_ms" : "ms";
-        auto ratio = [&](const auto& pair) { return pair.first.at(time).template get<double>() / pair.second.at(time).template get<double>(); };
+        auto ratio = [&](const auto& pair) {
+            return pair.first.at(time).template get<double>() / pair.second.at(time).template get<double>();
+        };
         std::ranges::nth_element(pairs, pairs.begin() + PAIRS / 2, {}, ratio);
         note(pairs[PAIRS / 2].first, result.time.first);
         note(pairs[PAIRS / 2].second, result.time.second);
@@ -249,24 +252,28 @@ void addBenchEffects(CLI::App& bench, std::function<int()>& run) {
     effects->add_option("--repetitions", options->repetitions, "Pairs of frames by effect; medians are shown")
         ->type_name("N")
         ->capture_default_str();
-    effects->add_flag("--check", options->check, "Compare the view with everything allowed and with what the scene calls for alone");
+    effects->add_flag("--check", options->check,
+                      "Compare the view with everything allowed and with what the scene calls for alone");
     effects->add_option("--limit", options->limit, "How far apart the times may be, for --check and --against")
         ->type_name("PERCENT")
         ->capture_default_str();
     effects->add_option("--against", options->against, "Compare this build with another one's program, frame by frame")
         ->type_name("PROGRAM");
-    effects->add_option("--beside", options->beside, "Compare with the frames of another scene; --limit is how much slower this one may be")
+    effects
+        ->add_option("--beside", options->beside,
+                     "Compare with the frames of another scene; --limit is how much slower this one may be")
         ->type_name("SCENE");
     effects->add_flag("--answer", options->answer)->group("");
-    effects->footer("Each effect is measured on and off, in pairs of frames one right after the other. On: its switch is on, the other\n"
-                    "settings as given. Off: the same request without this effect. Ambient occlusion and others that are off by\n"
-                    "default are measured on top of the view as given.\n"
-                    "--check and --against end with exit code 1 where pictures differ in a bit or times by more than the limit.\n"
-                    "Examples:\n"
-                    "  heliograph bench effects glass --json\n"
-                    "  heliograph bench effects courtyard --check\n"
-                    "  heliograph bench effects courtyard --against build/without/heliograph --limit 1\n"
-                    "  heliograph bench effects effects/small-mirror --beside effects/no-mirror --limit 10");
+    effects->footer(
+        "Each effect is measured on and off, in pairs of frames one right after the other. On: its switch is on, the other\n"
+        "settings as given. Off: the same request without this effect. Ambient occlusion and others that are off by\n"
+        "default are measured on top of the view as given.\n"
+        "--check and --against end with exit code 1 where pictures differ in a bit or times by more than the limit.\n"
+        "Examples:\n"
+        "  heliograph bench effects glass --json\n"
+        "  heliograph bench effects courtyard --check\n"
+        "  heliograph bench effects courtyard --against build/without/heliograph --limit 1\n"
+        "  heliograph bench effects effects/small-mirror --beside effects/no-mirror --limit 10");
     effects->callback([&run, options] { run = [options] { return runBenchEffects(*options, std::cin, std::cout); }; });
 }
 

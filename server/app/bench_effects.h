@@ -11,10 +11,10 @@ namespace heliograph {
 struct BenchEffectsOptions : SceneOptions {
     int64_t repetitions = 9;
     bool check = false;
-    double limit = 2.0;      // percent
-    std::string against;     // another build's program, or empty
-    std::string beside;      // another scene, or empty
-    bool answer = false;     // is started by --against
+    double limit = 2.0;   // percent
+    std::string against;  // another build's program, or empty
+    std::string beside;   // another scene, or empty
+    bool answer = false;  // is started by --against
 };
 
 /// Prints its result and returns the exit code; 1 where an equality does not hold. Throws InputError before any work if an

@@ -57,8 +57,7 @@ public:
         inner_->load(std::move(scene), settings, progress);
     }
     void prepare(const Settings& settings) override { inner_->prepare(settings); }
-    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
-                std::stop_token stop) override {
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         inner_->render(request, tiles, sink, stop);
     }
 
@@ -130,7 +129,8 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     std::string automatic = gpu != devices.end() ? best : "embree";
     for (const std::string& word : only) {
         if (std::ranges::find(offer.words, word) == offer.words.end())
-            throw InputError("--devices", word + " is not here", "a list of " + joined(offer.words) + " (see heliograph devices)");
+            throw InputError("--devices", word + " is not here",
+                             "a list of " + joined(offer.words) + " (see heliograph devices)");
     }
     if (!only.empty() && only.front() != "auto") automatic = only.front() == "vulkan" ? best : only.front();
     if (std::ranges::find(only, "auto") == only.end() && !only.empty()) {

@@ -120,10 +120,17 @@ void addInspectCommand(CLI::App& app, std::function<int()>& run) {
     addSceneArgument(*command, *options);
     addJsonOption(*command, *options);
     // Hidden: the table that docs/reference/settings.md is made from (tools/settings_page.mjs).
-    command->add_flag_callback("--settings", [] { std::cout << settingsSchema().dump(2) << "\n"; throw CLI::Success(); })->group("");
-    command->footer("Examples:\n"
-                    "  heliograph inspect glass\n"
-                    "  heliograph inspect model.glb --json");
+    command
+        ->add_flag_callback("--settings",
+                            [] {
+                                std::cout << settingsSchema().dump(2) << "\n";
+                                throw CLI::Success();
+                            })
+        ->group("");
+    command->footer(
+        "Examples:\n"
+        "  heliograph inspect glass\n"
+        "  heliograph inspect model.glb --json");
     command->callback([&run, options] { run = [options] { return runInspect(*options, std::cout); }; });
 }
 

@@ -25,7 +25,9 @@ namespace {
 
 constexpr uint32_t DEFAULT_SAMPLES = 16;
 
-struct Milliseconds { double load = 0.0, build = 0.0, render = 0.0; };
+struct Milliseconds {
+    double load = 0.0, build = 0.0, render = 0.0;
+};
 
 struct RenderResult {
     std::string scene;
@@ -88,11 +90,11 @@ void printForPeople(const RenderResult& r, const std::string& file, std::ostream
     double rate = seconds > 0.0 ? static_cast<double>(r.stats.rays.total()) / seconds / 1e6 : 0.0;
     char line[256];
     std::snprintf(line, sizeof line, "%ux%u, %u samples per pixel on %s: load %.0f ms, build %.0f ms, render %.0f ms",
-                  r.request.resolution.x, r.request.resolution.y, r.stats.samples, r.device.c_str(), r.ms.load,
-                  r.ms.build, r.ms.render);
+                  r.request.resolution.x, r.request.resolution.y, r.stats.samples, r.device.c_str(), r.ms.load, r.ms.build,
+                  r.ms.render);
     out << file << ": " << r.scene << ", " << line << "\n";
-    std::snprintf(line, sizeof line, "%llu rays, %.1f million a second",
-                  static_cast<unsigned long long>(r.stats.rays.total()), rate);
+    std::snprintf(line, sizeof line, "%llu rays, %.1f million a second", static_cast<unsigned long long>(r.stats.rays.total()),
+                  rate);
     out << line << "\n";
     if (r.stats.nonfiniteSamples > 0) out << r.stats.nonfiniteSamples << " samples were no numbers and are left out\n";
 }
@@ -145,24 +147,27 @@ void addRenderCommand(CLI::App& app, std::function<int()>& run) {
     auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "Render a picture of a scene into a file");
     addSceneArgument(*command, *options);
-    command->add_option("--out", options->out,
-                        "File to write: .png or .jpg as the viewer shows it, .exr the linear float values of the film")
+    command
+        ->add_option("--out", options->out,
+                     "File to write: .png or .jpg as the viewer shows it, .exr the linear float values of the film")
         ->type_name("FILE")
         ->required();
     command->add_option("--samples", options->samples, "Samples per pixel, 1 to 65536; without it 16")->type_name("N");
     addCameraOption(*command, *options);
-    command->add_option("--previous-camera", options->previousCamera,
-                        "The scene's camera at which it was a frame ago, for motionBlur; without it the camera rests")
+    command
+        ->add_option("--previous-camera", options->previousCamera,
+                     "The scene's camera at which it was a frame ago, for motionBlur; without it the camera rests")
         ->type_name("NAME");
     addRenderOptions(*command, *options);
     addJsonOption(*command, *options);
-    command->footer("Examples:\n"
-                    "  heliograph render courtyard --out courtyard.png\n"
-                    "  heliograph render model.glb --out model.exr --size 1920x1080 --samples 256\n"
-                    "  heliograph render glass --out glass.jpg --set exposure=0.5 --set maxReflections=4\n"
-                    "The same command writes the same file, whatever the number of threads and the size of the tiles.\n"
-                    "jpegQuality is the quality of a .jpg; renderScale makes the picture smaller than --size.\n\n" +
-                    settingsHelp());
+    command->footer(
+        "Examples:\n"
+        "  heliograph render courtyard --out courtyard.png\n"
+        "  heliograph render model.glb --out model.exr --size 1920x1080 --samples 256\n"
+        "  heliograph render glass --out glass.jpg --set exposure=0.5 --set maxReflections=4\n"
+        "The same command writes the same file, whatever the number of threads and the size of the tiles.\n"
+        "jpegQuality is the quality of a .jpg; renderScale makes the picture smaller than --size.\n\n" +
+        settingsHelp());
     command->callback([&run, options] { run = [options] { return runRender(*options, std::cout); }; });
 }
 

@@ -78,7 +78,8 @@ std::optional<std::pair<std::string, double>> SceneCache::standOf(const std::str
 void SceneCache::checkRoom() const {
     auto used = std::count_if(residents_.begin(), residents_.end(), [](const Resident& r) { return r.scene.use_count() > 1; });
     if (static_cast<size_t>(used) + loads_.size() < most_) return;
-    throw InputError("scene.name", "viewers already look at " + std::to_string(used) + " other scenes", "one of theirs, or later");
+    throw InputError("scene.name", "viewers already look at " + std::to_string(used) + " other scenes",
+                     "one of theirs, or later");
 }
 
 size_t SceneCache::residentCount() const {

@@ -26,14 +26,20 @@ public:
     void stop();
 
 private:
-    struct Ticket { SceneListener listener; };
+    struct Ticket {
+        SceneListener listener;
+    };
     struct Load {
         std::string name;
         std::vector<std::weak_ptr<Ticket>> tickets;
         std::string what;  // the last report
         double share = 0.0;
     };
-    struct Resident { std::string name; std::shared_ptr<ResidentScene> scene; uint64_t lastUse = 0; };
+    struct Resident {
+        std::string name;
+        std::shared_ptr<ResidentScene> scene;
+        uint64_t lastUse = 0;
+    };
 
     std::optional<std::pair<std::string, double>> standOf(const std::string& name) const;
     void checkRoom() const;

@@ -29,8 +29,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& options) {
     command.add_option("--size", options.size, "Width and height of the picture in pixels")
         ->type_name("WxH")
         ->capture_default_str();
-    command.add_option("--device", options.device, "Renderer: auto, or a name of the setting device below")
-        ->type_name("NAME");
+    command.add_option("--device", options.device, "Renderer: auto, or a name of the setting device below")->type_name("NAME");
     command.add_option("--set", options.settings, "Change a setting of the list below; may be given several times")
         ->type_name("KEY=VALUE")
         ->expected(1)
@@ -38,8 +37,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& options) {
 }
 
 void addCameraOption(CLI::App& command, SceneOptions& options) {
-    command.add_option("--camera", options.camera, "One of the scene's cameras; without it the first one")
-        ->type_name("NAME");
+    command.add_option("--camera", options.camera, "One of the scene's cameras; without it the first one")->type_name("NAME");
 }
 
 std::string settingsHelp() {

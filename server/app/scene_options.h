@@ -19,8 +19,8 @@ struct SceneOptions {
     std::string scene;
     std::string environment;  // file, or empty
     std::string size = "1280x720";
-    std::string device;       // empty: as the settings say
-    std::string camera;       // empty: the scene's first
+    std::string device;                 // empty: as the settings say
+    std::string camera;                 // empty: the scene's first
     std::vector<std::string> settings;  // key=value
     bool json = false;
 };

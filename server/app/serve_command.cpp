@@ -63,16 +63,17 @@ private:
 /// Ends the process when shutting down takes too long: a scene that is just being read cannot be interrupted everywhere.
 class ShutdownLimit {
 public:
-    explicit ShutdownLimit(int exitCode) : thread_([exitCode](std::stop_token stop) {
-        std::mutex mutex;
-        std::condition_variable_any over;
-        std::unique_lock lock(mutex);
-        over.wait_for(lock, stop, SHUTDOWN_LIMIT, [] { return false; });
-        if (stop.stop_requested()) return;
-        log().warn("work in progress did not end in time and is abandoned");
-        log().flush();
-        std::_Exit(exitCode);
-    }) {}
+    explicit ShutdownLimit(int exitCode)
+        : thread_([exitCode](std::stop_token stop) {
+              std::mutex mutex;
+              std::condition_variable_any over;
+              std::unique_lock lock(mutex);
+              over.wait_for(lock, stop, SHUTDOWN_LIMIT, [] { return false; });
+              if (stop.stop_requested()) return;
+              log().warn("work in progress did not end in time and is abandoned");
+              log().flush();
+              std::_Exit(exitCode);
+          }) {}
 
 private:
     std::jthread thread_;
@@ -100,7 +101,8 @@ SocketOptions socketOptions(const ServeOptions& options) {
                          "that with --token-file FILE, or with --insecure to let everybody in; or 127.0.0.1");
     }
     if (options.certificate.empty() != options.key.empty()) {
-        throw InputError(options.key.empty() ? "--tls-key" : "--tls-cert", "missing", "both or neither of --tls-cert and --tls-key");
+        throw InputError(options.key.empty() ? "--tls-key" : "--tls-cert", "missing",
+                         "both or neither of --tls-cert and --tls-key");
     }
     socket.certificateFile = options.certificate;
     socket.keyFile = options.key;
@@ -114,7 +116,8 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     ServiceOptions service;
     for (const std::string& setting : options.settings) service.defaults.setFromText(setting);
     service.scenes = sceneRecipes();
-    auto recipe = std::find_if(service.scenes.begin(), service.scenes.end(), [&](const SceneRecipe& r) { return r.name == options.scene; });
+    auto recipe = std::find_if(service.scenes.begin(), service.scenes.end(),
+                               [&](const SceneRecipe& r) { return r.name == options.scene; });
     std::string file, fileName;
     if (recipe != service.scenes.end()) {
         std::rotate(service.scenes.begin(), recipe, recipe + 1);
@@ -171,14 +174,16 @@ void addServeCommand(CLI::App& app, std::function<int()>& run) {
     CLI::App* command = app.add_subcommand("serve", "Serve a scene to browsers");
     command->add_option("SCENE", options->scene, "courtyard, cathedral, glass, cornell, or a .gltf, .glb or .obj file")
         ->capture_default_str();
-    command->add_option("--listen", options->listen,
-                        "Address and port; port 0 takes a free one. Anything but this machine's own address needs\n"
-                        "--token-file or --insecure")
+    command
+        ->add_option("--listen", options->listen,
+                     "Address and port; port 0 takes a free one. Anything but this machine's own address needs\n"
+                     "--token-file or --insecure")
         ->type_name("HOST:PORT")
         ->capture_default_str();
-    command->add_option("--devices", options->devices,
-                        "What viewers may render with: auto for all that is here, or names of the setting device below\n"
-                        "with commas between, the first of which is where they start")
+    command
+        ->add_option("--devices", options->devices,
+                     "What viewers may render with: auto for all that is here, or names of the setting device below\n"
+                     "with commas between, the first of which is where they start")
         ->delimiter(',')
         ->type_name("auto|LIST");
     command->add_option("--environment", options->environment,
@@ -196,14 +201,17 @@ void addServeCommand(CLI::App& app, std::function<int()>& run) {
     command->add_option("--allow-origin", options->origins, "Another origin whose pages may connect, as https://example.org")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--max-viewers", options->maxViewers, "Viewers at once")->check(CLI::Range(1, 1000))->capture_default_str();
+    command->add_option("--max-viewers", options->maxViewers, "Viewers at once")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     command->add_option("--log", options->logLevel, "trace, debug, info, warn, error or off")->capture_default_str();
-    command->footer("Examples:\n"
-                    "  heliograph serve                                 the courtyard on http://localhost:8080\n"
-                    "  heliograph serve model.glb --set samples=256\n"
-                    "  heliograph serve --listen 0.0.0.0:8080 --token-file token.txt\n"
-                    "Ctrl-C ends the server.\n\n" +
-                    settingsHelp());
+    command->footer(
+        "Examples:\n"
+        "  heliograph serve                                 the courtyard on http://localhost:8080\n"
+        "  heliograph serve model.glb --set samples=256\n"
+        "  heliograph serve --listen 0.0.0.0:8080 --token-file token.txt\n"
+        "Ctrl-C ends the server.\n\n" +
+        settingsHelp());
     command->callback([&run, options] { run = [options] { return serve(*options); }; });
 }
 

@@ -17,13 +17,14 @@ constexpr auto TICK = 100ms;
 
 Service::Service(ServiceOptions options)
     : options_(std::move(options)),
-      cache_(options_.openScene,
-             [this] {
-                 DeviceSwitchOptions switching;
-                 switching.notice = [this](const std::string& what) { tellEverybody(what); };
-                 return makeDeviceSwitch(options_.devices, scheduler_, std::move(switching));
-             },
-             options_.defaults),
+      cache_(
+          options_.openScene,
+          [this] {
+              DeviceSwitchOptions switching;
+              switching.notice = [this](const std::string& what) { tellEverybody(what); };
+              return makeDeviceSwitch(options_.devices, scheduler_, std::move(switching));
+          },
+          options_.defaults),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }),
       reaper_([this](std::stop_token stop) { reap(stop); }) {}
@@ -100,9 +101,7 @@ void Service::refused(const std::string& why) {
     log().debug("connection refused: {}", why);
 }
 
-std::string Service::metricsText() {
-    return metrics_.text(viewerCount(), cache_.residentCount(), residentBytes());
-}
+std::string Service::metricsText() { return metrics_.text(viewerCount(), cache_.residentCount(), residentBytes()); }
 
 /// A device that is set aside is no fault of the viewers, but they should know why frames look or last different.
 void Service::tellEverybody(const std::string& what) {

@@ -13,8 +13,8 @@ struct ServiceOptions {
     SocketOptions socket;
     std::vector<SceneRecipe> scenes;  // on offer; the first is where viewers start
     SceneCache::Opener openScene;
-    DeviceOffer devices;              // viewers choose between them
-    Settings defaults;                // of every viewer
+    DeviceOffer devices;  // viewers choose between them
+    Settings defaults;    // of every viewer
     /// Pixels of all films together. One takes 16 bytes a pixel, 48 from its second sample on, and a viewer may have three: 13 GiB
     /// for three viewers at 7680x4320.
     uint64_t pixelLimit = FILM_PIXELS;
@@ -63,7 +63,7 @@ private:
     std::map<uint32_t, uint64_t> pixels_;          // granted, by viewer
     uint32_t lastViewer_ = 0;
 
-    SceneCache cache_;  // after the sessions: its devices tell them of faults for as long as they live
+    SceneCache cache_;                  // after the sessions: its devices tell them of faults for as long as they live
     std::shared_ptr<void> firstScene_;  // ticket
     SocketServer socket_;
     std::jthread attendant_, reaper_;

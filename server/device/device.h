@@ -13,17 +13,17 @@
 namespace heliograph {
 
 struct DeviceInfo {
-    std::string name;     // "embree", "vulkan:0"
-    std::string details;  // for people: processor, driver, packet width
-    std::string silicon;  // devices with the same word share processors
-    uint32_t workers = 1; // tiles in work at once
+    std::string name;      // "embree", "vulkan:0"
+    std::string details;   // for people: processor, driver, packet width
+    std::string silicon;   // devices with the same word share processors
+    uint32_t workers = 1;  // tiles in work at once
     // For the scheduler:
-    uint32_t streams = 1;        // calls of renderStream that are worth making side by side
-    uint32_t coresPerStream = 0; // processor cores that a stream wants for itself, if it is none of the processor's own
-    double batchSeconds = 0.0;   // fixed cost of one call: submission, wake-up, the longest path of a kernel
-    double roundTrip = 0.0;      // seconds on the wire, there and back; 0 for a local device
-    bool overlaps = false;       // one call of `render` keeps it busier than its streams do, while nobody else works
-    bool stampsTiles = true;     // TileResult::seconds add up to the time of the stream; else only the call can be timed
+    uint32_t streams = 1;         // calls of renderStream that are worth making side by side
+    uint32_t coresPerStream = 0;  // processor cores that a stream wants for itself, if it is none of the processor's own
+    double batchSeconds = 0.0;    // fixed cost of one call: submission, wake-up, the longest path of a kernel
+    double roundTrip = 0.0;       // seconds on the wire, there and back; 0 for a local device
+    bool overlaps = false;        // one call of `render` keeps it busier than its streams do, while nobody else works
+    bool stampsTiles = true;      // TileResult::seconds add up to the time of the stream; else only the call can be timed
 };
 
 /// How fast a device can begin on a kind of request that it has not rendered before.

@@ -24,9 +24,7 @@ constexpr size_t CHUNK = 512;  // pixels whose indices stay in the first-level c
 
 }  // namespace
 
-double srgbCode(double linear) {
-    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
+double srgbCode(double linear) { return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055; }
 
 double toneCurveValue(ToneCurve curve, double x) {
     if (curve == ToneCurve::filmic) x = (x * (2.51 * x + 0.03)) / (x * (2.43 * x + 0.59) + 0.14);

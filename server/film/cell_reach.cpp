@@ -4,11 +4,12 @@ namespace heliograph {
 
 namespace {
 
-constexpr uint32_t SQUARE = 8;  // pixels; tiles are no smaller
+constexpr uint32_t SQUARE = 8;       // pixels; tiles are no smaller
 constexpr float SMALL_TURN = 0.98f;  // cosine of it; more is a jump, of which nothing can be guessed
 
 bool nearby(const Camera& a, const Camera& b) {
-    return a.fieldOfView == b.fieldOfView && glm::dot(a.forward, b.forward) > SMALL_TURN * glm::length(a.forward) * glm::length(b.forward) &&
+    return a.fieldOfView == b.fieldOfView &&
+           glm::dot(a.forward, b.forward) > SMALL_TURN * glm::length(a.forward) * glm::length(b.forward) &&
            glm::dot(a.up, b.up) > SMALL_TURN * glm::length(a.up) * glm::length(b.up);
 }
 
@@ -26,7 +27,8 @@ CellReach::CellReach(uvec2 resolution, const CellReach* near)
         for (uint32_t x = 0; x < columns; x += stepX) {
             bool all = true;
             for (uint32_t j = y < stepY ? y : y - stepY; j <= y + stepY && j < rows; j += stepY)
-                for (uint32_t i = x < stepX ? x : x - stepX; i <= x + stepX && i < columns; i += stepX) all = all && ended(i, j);
+                for (uint32_t i = x < stepX ? x : x - stepX; i <= x + stepX && i < columns; i += stepX)
+                    all = all && ended(i, j);
             if (all) known_[size_t(y) * columns + x] = Known::guessed;
         }
     }
@@ -58,7 +60,8 @@ bool CellReach::endsAtOnce(const Tile& tile) const {
 std::shared_ptr<CellReach> ReachOfView::of(const FrameRequest& request) {
     const View view{request.camera, request.previousCamera, request.effects.bits, request.resolution};
     if (!(view_ == view)) {
-        const bool moved = view_ && view_->effects == view.effects && view_->resolution == view.resolution && nearby(view_->camera, view.camera);
+        const bool moved = view_ && view_->effects == view.effects && view_->resolution == view.resolution &&
+                           nearby(view_->camera, view.camera);
         reach_ = std::make_shared<CellReach>(request.resolution, moved ? reach_.get() : nullptr);
         view_ = view;
     }

@@ -29,7 +29,7 @@ private:
     /// Known::nothing forever for tiles that are not in the picture.
     std::atomic<Known>& at(const Tile& tile) const;
 
-    const uvec2 resolution_;  // pixels
+    const uvec2 resolution_;                         // pixels
     mutable std::vector<std::atomic<Known>> known_;  // by the origin of the tile, in squares of 8 pixels; then one for others
     std::atomic<uint32_t> pitchX_{0}, pitchY_{0};    // of the tiles; squares; 0: none was noted
 };

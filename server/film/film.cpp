@@ -88,9 +88,8 @@ bool Film::claim(const TileResult& result) {
     // A claim moves the count at once: a duplicate of a result that is just being added is refused here, while one that
     // continues it waits for the few microseconds that the add takes.
     if (!continues()) return false;
-    changed_.wait(lock, [&] {
-        return !continues() || (readers_ == 0 && everyBlock(tile, [](const Block& b) { return !b.busy; }));
-    });
+    changed_.wait(lock,
+                  [&] { return !continues() || (readers_ == 0 && everyBlock(tile, [](const Block& b) { return !b.busy; })); });
     if (!continues()) return false;
     if (tile.firstSample > 0) sums_.fit(pixelCount());
     everyBlock(tile, [&](Block& b) {
@@ -145,9 +144,7 @@ bool Film::add(const TileResult& result) {
     return true;
 }
 
-glm::dvec4 Film::sumOf(const Block& block, size_t pixel) const {
-    return block.wide ? sums_[pixel] : asSum(firstSums_[pixel]);
-}
+glm::dvec4 Film::sumOf(const Block& block, size_t pixel) const { return block.wide ? sums_[pixel] : asSum(firstSums_[pixel]); }
 
 std::vector<Tile> Film::tilesFor(uint32_t firstSample, uint32_t sampleCount, uvec2 tileSize) const {
     std::vector<Tile> tiles;
@@ -233,7 +230,8 @@ std::vector<float> Film::cellErrors(uvec2 cellSize) const {
             const double mean = luminance(sum) / samples;
             const double variance = std::max(0.0, sum.w / samples - mean * mean) / (samples - 1.0);
             // The variance of sqrt(x) is var(x) / (4 mean).
-            errors[static_cast<size_t>(y / cellSize.y) * cells.x + x / cellSize.x] += static_cast<float>(variance / std::max(mean, 1e-4));
+            errors[static_cast<size_t>(y / cellSize.y) * cells.x + x / cellSize.x] +=
+                static_cast<float>(variance / std::max(mean, 1e-4));
         }
     }
     for (float& error : errors) error = std::sqrt(error);

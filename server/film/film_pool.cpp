@@ -31,7 +31,8 @@ std::shared_ptr<Film> FilmPool::next(uvec2 resolution, uint32_t generation) {
     if (found == films_.end()) found = films_.begin();  // whoever holds it keeps it
     if (found->use_count() != 1) *found = std::make_shared<Film>();
     if (emptied(**found, resolution, generation)) return *found;
-    std::ranges::replace_if(films_, [](const auto& film) { return film.use_count() == 1; }, nullptr);
+    std::ranges::replace_if(
+        films_, [](const auto& film) { return film.use_count() == 1; }, nullptr);
     *found = std::make_shared<Film>();
     if (emptied(**found, resolution, generation)) return *found;
     noMemory(resolution);

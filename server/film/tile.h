@@ -29,7 +29,11 @@ struct RayCounts {
     uint64_t untraceable = 0;  // of them: not traced, as they leave float in some instance's space; should be 0
     uint64_t& operator[](RayKind kind) { return by[static_cast<size_t>(kind)]; }
     uint64_t operator[](RayKind kind) const { return by[static_cast<size_t>(kind)]; }
-    uint64_t total() const { uint64_t sum = 0; for (uint64_t n : by) sum += n; return sum; }
+    uint64_t total() const {
+        uint64_t sum = 0;
+        for (uint64_t n : by) sum += n;
+        return sum;
+    }
     void add(const RayCounts& other) {
         for (size_t i = 0; i < by.size(); i++) by[i] += other.by[i];
         untraceable += other.untraceable;
@@ -40,11 +44,11 @@ struct RayCounts {
 struct TileResult {
     Tile tile;
     std::string device;
-    std::vector<vec4> radianceSum;   // rgb = sum of radiance, w = sum of squared luminance
-    std::span<const vec4> mapped;    // the same in the device's memory, valid while the sink runs; then radianceSum is empty
+    std::vector<vec4> radianceSum;  // rgb = sum of radiance, w = sum of squared luminance
+    std::span<const vec4> mapped;   // the same in the device's memory, valid while the sink runs; then radianceSum is empty
     RayCounts rays;
-    uint64_t nonfiniteSamples = 0;   // samples left out because they were NaN or infinite
-    double seconds = 0.0;            // thread time spent on it
+    uint64_t nonfiniteSamples = 0;  // samples left out because they were NaN or infinite
+    double seconds = 0.0;           // thread time spent on it
 
     std::span<const vec4> sums() const { return radianceSum.empty() ? mapped : std::span<const vec4>(radianceSum); }
 };

@@ -85,7 +85,7 @@ struct Uint {
     HELIOGRAPH_INLINE Uint(VectorUint value) : v(value) {}
     HELIOGRAPH_INLINE Uint(uint32_t value) : v(VectorUint{} + value) {}
     HELIOGRAPH_INLINE explicit Uint(Int value) : v((VectorUint)value.v) {}
-    HELIOGRAPH_INLINE explicit Uint(Float value) : v((VectorUint)__builtin_convertvector(value.v, VectorInt)) {}
+    HELIOGRAPH_INLINE explicit Uint(Float value) : v((VectorUint) __builtin_convertvector(value.v, VectorInt)) {}
     friend HELIOGRAPH_INLINE Uint operator+(Uint a, Uint b) { return Uint(a.v + b.v); }
     friend HELIOGRAPH_INLINE Uint operator-(Uint a, Uint b) { return Uint(a.v - b.v); }
     friend HELIOGRAPH_INLINE Uint operator*(Uint a, Uint b) { return Uint(a.v * b.v); }
@@ -202,9 +202,7 @@ struct Uvec4 {
 
 // The sums in GLM's order.
 HELIOGRAPH_INLINE Float dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-HELIOGRAPH_INLINE Vec3 cross(Vec3 a, Vec3 b) {
-    return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
-}
+HELIOGRAPH_INLINE Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y}; }
 HELIOGRAPH_INLINE Vec2 select(Bool c, Vec2 a, Vec2 b) { return {select(c, a.x, b.x), select(c, a.y, b.y)}; }
 HELIOGRAPH_INLINE Vec3 select(Bool c, Vec3 a, Vec3 b) {
     return {select(c, a.x, b.x), select(c, a.y, b.y), select(c, a.z, b.z)};
@@ -241,8 +239,8 @@ HELIOGRAPH_INLINE VectorInt gatherWords(const void* base, Uint index, uint32_t s
 }
 
 // Rows of four 32-bit words at base + index * stride bytes, transposed: 128-bit loads cost far less than four gathers.
-HELIOGRAPH_INLINE void gatherRows(const void* base, Uint index, uint32_t stride, VectorFloat& x, VectorFloat& y,
-                                  VectorFloat& z, VectorFloat& w) {
+HELIOGRAPH_INLINE void gatherRows(const void* base, Uint index, uint32_t stride, VectorFloat& x, VectorFloat& y, VectorFloat& z,
+                                  VectorFloat& w) {
     const char* bytes = static_cast<const char*>(base);
     alignas(64) uint32_t at[LANES];  // through memory: taking lanes out of a register one by one is slower
     __builtin_memcpy(at, &index.v, sizeof at);

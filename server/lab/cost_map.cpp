@@ -17,8 +17,8 @@ uvec2 cellCount(uvec2 resolution, uint32_t cellSize) {
 
 }  // namespace
 
-CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings, const Camera& camera,
-                    uvec2 resolution, uint32_t frames, const Progress& progress) {
+CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings, const Camera& camera, uvec2 resolution,
+                    uint32_t frames, const Progress& progress) {
     CostMap map;
     map.scene = scene.name;
     map.cellSize = Film::BLOCK;

@@ -16,8 +16,8 @@ struct CostMap {
 /// Renders `frames` frames of one sample per pixel; the camera moves along the scene's first path as in a flight of ten
 /// seconds at 30 frames a second, or rests where there is none. The device holds the scene already. Throws what the
 /// device throws.
-CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings, const Camera& camera,
-                    uvec2 resolution, uint32_t frames, const Progress& progress);
+CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings, const Camera& camera, uvec2 resolution,
+                    uint32_t frames, const Progress& progress);
 
 /// The same map in cells of `factor` times the side.
 CostMap coarsened(const CostMap& map, uint32_t factor);

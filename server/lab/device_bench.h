@@ -29,9 +29,9 @@ struct DeviceBenchResult {
     uvec2 resolution{0, 0};
     bool hasRaw = false;
     Timing rawPrimary, rawShadow, rawAmbientOcclusion;
-    Timing frame;         // primary and shadow rays, as the settings trace them (packets)
-    Timing frameSingle;   // the same, ray by ray
-    Timing frameOccluded; // the first with nine rays of ambient occlusion
+    Timing frame;          // primary and shadow rays, as the settings trace them (packets)
+    Timing frameSingle;    // the same, ray by ray
+    Timing frameOccluded;  // the first with nine rays of ambient occlusion
 };
 
 /// The device holds the scene already. `raw` may be null: then there is nothing to compare with, and the result says so.

@@ -33,7 +33,9 @@ public:
 
     /// Both, the second one first in every other round. Null: not counted.
     void pair(const FrameRequest& first, const FrameRequest& second, uint32_t round, PairedTiming* timing) {
-        auto one = [&](bool isFirst) { time(isFirst ? first : second, timing ? isFirst ? &timing->first : &timing->second : nullptr); };
+        auto one = [&](bool isFirst) {
+            time(isFirst ? first : second, timing ? isFirst ? &timing->first : &timing->second : nullptr);
+        };
         one(round % 2 == 0);
         one(round % 2 != 0);
     }
@@ -68,12 +70,8 @@ FrameRequest baseRequest(const EffectBenchOptions& options) {
 /// Fields that all results begin with.
 template <typename Result>
 nlohmann::ordered_json headJson(const Result& result) {
-    return {{"scene", result.scene},
-            {"device", result.device},
-            {"width", result.resolution.x},
-            {"height", result.resolution.y},
-            {"repetitions", result.repetitions},
-            {"time", result.core ? "core" : "wall"},
+    return {{"scene", result.scene},         {"device", result.device},           {"width", result.resolution.x},
+            {"height", result.resolution.y}, {"repetitions", result.repetitions}, {"time", result.core ? "core" : "wall"},
             {"effects", result.effects}};
 }
 
@@ -115,7 +113,8 @@ PairedRatio ratioOf(const PairedTiming& timing, bool core) {
 
 bool timedByCore(const Device& device, const Settings& settings) { return device.infoFor(settings).silicon == "cpu"; }
 
-EffectBenchResult benchEffects(Device& device, const Scene& scene, const EffectBenchOptions& options, const Progress& progress) {
+EffectBenchResult benchEffects(Device& device, const Scene& scene, const EffectBenchOptions& options,
+                               const Progress& progress) {
     EffectBenchResult result;
     result.scene = scene.name;
     result.device = device.infoFor(options.settings).name;

@@ -43,9 +43,9 @@ struct EffectBenchResult {
     std::string device;
     uvec2 resolution{0, 0};
     uint32_t repetitions = 0;
-    bool core = false;          // ratios are of processor time
+    bool core = false;                 // ratios are of processor time
     std::vector<std::string> effects;  // of the view under the settings as given
-    std::vector<Row> rows;      // in the table's order
+    std::vector<Row> rows;             // in the table's order
 };
 
 /// The device holds the scene already. One round before the first is not counted.
@@ -61,12 +61,12 @@ struct EffectCheckResult {
     uvec2 resolution{0, 0};
     uint32_t repetitions = 0;
     bool core = false;
-    double limit = 0.0;                   // how far from 1 the ratio may be
-    std::vector<std::string> switchedOff; // settings that are off in the second only
-    std::vector<std::string> effects;     // of both
-    PairedTiming time;                    // first: everything allowed; second: only what is called for
-    PairedTiming noise;                   // the second beside itself: what the machine's unrest makes of equal requests
-    uint64_t differingPixels = 0;         // most in any repetition; bit for bit
+    double limit = 0.0;                    // how far from 1 the ratio may be
+    std::vector<std::string> switchedOff;  // settings that are off in the second only
+    std::vector<std::string> effects;      // of both
+    PairedTiming time;                     // first: everything allowed; second: only what is called for
+    PairedTiming noise;                    // the second beside itself: what the machine's unrest makes of equal requests
+    uint64_t differingPixels = 0;          // most in any repetition; bit for bit
     bool identical() const { return differingPixels == 0; }
     bool within() const;
     bool passed() const { return identical() && within(); }
@@ -83,7 +83,7 @@ nlohmann::ordered_json toJson(const EffectCheckResult& result);
 struct EffectAgainstResult {
     std::string scene;
     std::string otherScene;
-    std::string device;         // with details: which effects a build was made without
+    std::string device;  // with details: which effects a build was made without
     std::string otherDevice;
     uvec2 resolution{0, 0};
     uint32_t repetitions = 0;

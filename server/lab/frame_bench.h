@@ -10,7 +10,7 @@ namespace heliograph {
 
 struct FrameBenchOptions {
     Settings settings;
-    Camera camera;         // stands still here if the scene has no path; gives the field of view
+    Camera camera;  // stands still here if the scene has no path; gives the field of view
     uvec2 resolution{1280, 720};
     uint32_t frames = 60;  // counted
     uint32_t warmUp = 3;   // rendered first and not counted

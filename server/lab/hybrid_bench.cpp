@@ -36,7 +36,8 @@ public:
         device_.render(request, tiles, [&](TileResult&& result) { film_.add(result); }, {});
         const double ms = watch.milliseconds();
         history_->costs.end();
-        if (film_.completedSamples() != options_.samples) throw std::runtime_error("device " + device_.info().name + " left out tiles");
+        if (film_.completedSamples() != options_.samples)
+            throw std::runtime_error("device " + device_.info().name + " left out tiles");
         return ms;
     }
     /// The last frame of a burst.

@@ -30,8 +30,8 @@ struct HybridSide {
 struct HybridBenchResult {
     uint32_t samples = 1;
     std::vector<HybridSide> alone;
-    std::vector<double> ms;                // together
-    std::vector<ScheduleReport> reports;   // of the frames together
+    std::vector<double> ms;               // together
+    std::vector<ScheduleReport> reports;  // of the frames together
 };
 
 /// `device` knows all words (makeDevice) and holds the scene. Each figure is the last frame of a burst of a quarter of a

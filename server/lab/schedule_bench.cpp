@@ -14,8 +14,8 @@ namespace {
 struct BatchCost {
     const char* name;
     double batchSeconds;
-    double rate;      // rays a second of the reference device
-    bool isFastest;   // the reference is the fastest device, not the slowest
+    double rate;     // rays a second of the reference device
+    bool isFastest;  // the reference is the fastest device, not the slowest
 };
 constexpr BatchCost LAVAPIPE{"lavapipe", 0.5e-3, 2.7e6, false};
 constexpr BatchCost H100{"h100", 0.09e-3, 6e9, true};
@@ -93,8 +93,8 @@ std::vector<Setup> setups(const CostMap& fine, const CostMap& coarse) {
         const std::string name = fine.scene + ", h100 and 15 cores, " + std::to_string(samples) + " spp";
         list.push_back({name, gpuAndCores(), &coarse, samples});
     }
-    const std::string crowd = fine.scene + ", " + std::to_string(NODES) + " nodes, 1 ms round trip, " +
-                              std::to_string(NODE_SAMPLES) + " spp, ";
+    const std::string crowd =
+        fine.scene + ", " + std::to_string(NODES) + " nodes, 1 ms round trip, " + std::to_string(NODE_SAMPLES) + " spp, ";
     list.push_back({crowd + "at rest", nodes(), &fine, NODE_SAMPLES, true});
     list.push_back({crowd + "moving", nodes(), &fine, NODE_SAMPLES});
     return list;
@@ -112,8 +112,8 @@ struct Played {
     uint64_t batches = 0;
 };
 
-Played play(const std::vector<SimulatedDevice>& devices, SchedulePolicy& policy,
-            const std::vector<std::vector<float>>& costs, uint32_t frames) {
+Played play(const std::vector<SimulatedDevice>& devices, SchedulePolicy& policy, const std::vector<std::vector<float>>& costs,
+            uint32_t frames) {
     ScheduleSimulator simulator(devices, SEED);
     Played played;
     const uint32_t counted = frames - frames / 2;
@@ -155,9 +155,8 @@ ScheduleScenario playAll(const Setup& setup, uint32_t frames, Decisions& decisio
     run("proportional_split", *proportionalSplit(setup.devices, grid));
     run("rayengine", *rayEngine(setup.devices, grid));
     run("shared_counter", *sharedCounter(setup.devices, grid));
-    const auto best = std::max_element(setup.devices.begin(), setup.devices.end(), [](const auto& a, const auto& b) {
-        return a.workers * a.rate < b.workers * b.rate;
-    });
+    const auto best = std::max_element(setup.devices.begin(), setup.devices.end(),
+                                       [](const auto& a, const auto& b) { return a.workers * a.rate < b.workers * b.rate; });
     const std::vector<SimulatedDevice> alone{*best};
     OurPolicy single(alone, grid);
     scenario.bestSingleSeconds = play(alone, single, costs, frames).seconds;
@@ -184,19 +183,15 @@ ScheduleBenchResult benchSchedule(std::span<const CostMap> maps, uint32_t frames
 }
 
 nlohmann::ordered_json toJson(const ScheduleBenchResult& result) {
-    auto number = [](double value) {
-        return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-    };
+    auto number = [](double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); };
     nlohmann::ordered_json scenarios = nlohmann::ordered_json::array();
     for (const ScheduleScenario& s : result.scenarios) {
         nlohmann::ordered_json policies = nlohmann::ordered_json::object();
         for (const ScheduleOutcome& p : s.policies) {
             policies[p.policy] = {{"ms", number(1e3 * p.seconds)}, {"ratio", number(p.ratio)}};
         }
-        scenarios.push_back({{"name", s.name},
-                             {"devices", s.devices},
-                             {"bound_ms", number(1e3 * s.boundSeconds)},
-                             {"policies", policies}});
+        scenarios.push_back(
+            {{"name", s.name}, {"devices", s.devices}, {"bound_ms", number(1e3 * s.boundSeconds)}, {"policies", policies}});
     }
     return {{"scenarios", scenarios}, {"decision_us", result.decisionMicroseconds}};
 }

@@ -8,15 +8,15 @@
 namespace heliograph {
 
 struct ScheduleOutcome {
-    std::string policy;     // name in JSON
-    double seconds = 0.0;   // mean over the counted frames; infinite if a frame was never complete
-    double ratio = 0.0;     // to the bound
+    std::string policy;    // name in JSON
+    double seconds = 0.0;  // mean over the counted frames; infinite if a frame was never complete
+    double ratio = 0.0;    // to the bound
 };
 
 struct ScheduleScenario {
     std::string name;
     uint32_t devices = 0;
-    double boundSeconds = 0.0;    // mean over the same frames
+    double boundSeconds = 0.0;       // mean over the same frames
     double bestSingleSeconds = 0.0;  // the best device alone, under our policy
     std::vector<ScheduleOutcome> policies;
 };

@@ -23,9 +23,7 @@ std::vector<double> proportions(std::span<const SimulatedDevice> devices) {
     return shares;
 }
 
-std::vector<double> equalShares(size_t devices) {
-    return std::vector<double>(devices, 1.0 / static_cast<double>(devices));
-}
+std::vector<double> equalShares(size_t devices) { return std::vector<double>(devices, 1.0 / static_cast<double>(devices)); }
 
 std::vector<uint32_t> inTurn(size_t workers) {
     std::vector<uint32_t> order(workers);

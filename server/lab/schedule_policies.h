@@ -61,7 +61,9 @@ protected:
     std::vector<double> shares_;  // by device, sum 1
 
 private:
-    struct Strip { uint32_t next = 0, end = 0; };  // cells, column by column
+    struct Strip {
+        uint32_t next = 0, end = 0;
+    };  // cells, column by column
     CellGrid grid_;
     std::vector<uint32_t> deviceOf_;
     std::vector<uint32_t> workers_;  // by device

@@ -99,8 +99,9 @@ struct ScheduleSimulator::Run {
                 missing--;
             }
         }
-        const SimulatedResult result{work.batch.id, event.worker, work.cost, d.stampFactor * work.seconds,
-                                     event.at - 0.5 * d.roundTrip - work.begin, event.at};
+        const SimulatedResult result{
+            work.batch.id, event.worker, work.cost, d.stampFactor * work.seconds, event.at - 0.5 * d.roundTrip - work.begin,
+            event.at};
         const bool more = policy.finish(result);
         if (more) wake(event.at);
         ask(event.worker, event.at);
@@ -135,9 +136,8 @@ SimulatedFrame ScheduleSimulator::frame(SchedulePolicy& policy, std::span<const 
     run.workers.resize(deviceOf_.size());
     run.fastestFirst.resize(deviceOf_.size());
     std::iota(run.fastestFirst.begin(), run.fastestFirst.end(), 0u);
-    std::stable_sort(run.fastestFirst.begin(), run.fastestFirst.end(), [&](uint32_t a, uint32_t b) {
-        return run.device(a).rate > run.device(b).rate;
-    });
+    std::stable_sort(run.fastestFirst.begin(), run.fastestFirst.end(),
+                     [&](uint32_t a, uint32_t b) { return run.device(a).rate > run.device(b).rate; });
     const double begin = now_;
     policy.begin(predicted, begin);
     for (uint32_t w = 0; w < run.workers.size(); w++) {

@@ -22,7 +22,7 @@ struct SimulatedDevice {
     double diesAt = std::numeric_limits<double>::infinity();    // throws then, and is gone
     double stallsAt = std::numeric_limits<double>::infinity();  // then does nothing for
     double stallSeconds = 0.0;                                  // so long; infinite: never answers again
-    double stampFactor = 1.0;       // what it says of its times, over the truth; 0: says nothing
+    double stampFactor = 1.0;                                   // what it says of its times, over the truth; 0: says nothing
     bool deliversTwice = false;
 };
 
@@ -61,7 +61,7 @@ public:
 };
 
 struct SimulatedFrame {
-    double seconds = 0.0;  // until the last cell is there; infinite if one never comes
+    double seconds = 0.0;            // until the last cell is there; infinite if one never comes
     std::vector<uint32_t> rendered;  // times, by cell, until then
     std::vector<uint32_t> counted;   // times taken into the film, by cell
     uint32_t batches = 0;

@@ -13,12 +13,24 @@ namespace {
 constexpr uintmax_t FILE_LIMIT = 16u << 20;    // bytes
 constexpr uintmax_t FOLDER_LIMIT = 64u << 20;  // bytes
 
-constexpr struct { const char* ending; const char* type; } MIME_TYPES[] = {
-    {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"},
-    {".mjs", "text/javascript; charset=utf-8"}, {".css", "text/css; charset=utf-8"},
-    {".map", "application/json"}, {".json", "application/json"}, {".webmanifest", "application/manifest+json"},
-    {".svg", "image/svg+xml"}, {".ico", "image/x-icon"}, {".png", "image/png"}, {".jpg", "image/jpeg"},
-    {".webp", "image/webp"}, {".woff2", "font/woff2"}, {".wasm", "application/wasm"},
+constexpr struct {
+    const char* ending;
+    const char* type;
+} MIME_TYPES[] = {
+    {".html", "text/html; charset=utf-8"},
+    {".js", "text/javascript; charset=utf-8"},
+    {".mjs", "text/javascript; charset=utf-8"},
+    {".css", "text/css; charset=utf-8"},
+    {".map", "application/json"},
+    {".json", "application/json"},
+    {".webmanifest", "application/manifest+json"},
+    {".svg", "image/svg+xml"},
+    {".ico", "image/x-icon"},
+    {".png", "image/png"},
+    {".jpg", "image/jpeg"},
+    {".webp", "image/webp"},
+    {".woff2", "font/woff2"},
+    {".wasm", "application/wasm"},
     {".txt", "text/plain; charset=utf-8"},
 };
 

@@ -35,7 +35,10 @@ public:
     void pieceWritten(double seconds);
     bool hasOutput() const;
     /// Set when all text is out and the connection is to be closed.
-    struct Closing { CloseCode code; std::string reason; };
+    struct Closing {
+        CloseCode code;
+        std::string reason;
+    };
     std::optional<Closing> closing() const;
 
     /// Takes a piece of an incoming message. Returns the code to close with if the message breaks a rule.
@@ -58,7 +61,7 @@ private:
     bool gone_ = false;
 
     // The socket's thread alone.
-    std::string text_;  // being written
+    std::string text_;                        // being written
     std::optional<OutgoingPicture> current_;  // being written
     size_t offset_ = 0;
     double waited_ = 0.0, writing_ = 0.0;  // seconds

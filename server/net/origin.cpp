@@ -16,7 +16,10 @@ std::string lower(std::string_view text) {
     return result;
 }
 
-struct Authority { std::string host; std::string port; };
+struct Authority {
+    std::string host;
+    std::string port;
+};
 
 /// "host:port", "[::1]:port"; the port may lack.
 Authority splitAuthority(std::string_view text) {
@@ -41,19 +44,22 @@ ListenAddress parseListenAddress(const std::string& text) {
         throw InputError("--listen", "\"" + text + "\"", allowed);
     }
     if (!parts.host.empty() && parts.host != "localhost") result.host = parts.host;
-    bool characters = std::all_of(result.host.begin(), result.host.end(), [](unsigned char c) { return std::isxdigit(c) || c == '.' || c == ':'; });
-    if (!characters) throw InputError("--listen", "\"" + text + "\"", "an address of this machine, not a name, as 0.0.0.0:8080");
+    bool characters = std::all_of(result.host.begin(), result.host.end(),
+                                  [](unsigned char c) { return std::isxdigit(c) || c == '.' || c == ':'; });
+    if (!characters)
+        throw InputError("--listen", "\"" + text + "\"", "an address of this machine, not a name, as 0.0.0.0:8080");
     return result;
 }
 
 bool isLoopback(std::string_view host) {
-    return host == "localhost" || host == "::1" || (host.starts_with("127.") && host.find_first_not_of("0123456789.") == host.npos);
+    return host == "localhost" || host == "::1" ||
+           (host.starts_with("127.") && host.find_first_not_of("0123456789.") == host.npos);
 }
 
-bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed,
-                   bool loopbackOnly) {
+bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed, bool loopbackOnly) {
     if (origin.empty()) return true;
-    if (std::any_of(allowed.begin(), allowed.end(), [&](const std::string& a) { return lower(a) == lower(origin); })) return true;
+    if (std::any_of(allowed.begin(), allowed.end(), [&](const std::string& a) { return lower(a) == lower(origin); }))
+        return true;
     size_t scheme = origin.find("://");
     if (scheme == origin.npos || host.empty()) return false;  // "null" too
     const char* standardPort = origin.starts_with("https") ? "443" : "80";

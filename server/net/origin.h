@@ -23,7 +23,6 @@ bool isLoopback(std::string_view host);
 /// `origin` and `host` are the request's headers, empty where they lack. A request without origin comes from no page and
 /// passes. Else the origin has to be in `allowed` or name the same host and port as `host`. With `loopbackOnly` the host
 /// header has to be a name of this machine too: a foreign name that was made to resolve to 127.0.0.1 is refused.
-bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed,
-                   bool loopbackOnly);
+bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed, bool loopbackOnly);
 
 }  // namespace heliograph

@@ -193,7 +193,8 @@ ViewerMessage parseViewerMessage(std::string_view text) {
     }
     auto type = message.find("type");
     if (type == message.end() || !type->is_string()) {
-        throw MessageError(InputError("type", type == message.end() ? "missing" : shown(*type), KnownTypes::names()), "", std::nullopt);
+        throw MessageError(InputError("type", type == message.end() ? "missing" : shown(*type), KnownTypes::names()), "",
+                           std::nullopt);
     }
     const std::string& name = type->get_ref<const std::string&>();
     try {

@@ -36,16 +36,50 @@ enum class CloseCode : uint16_t {
 enum class PictureFormat { png, exr, jpg };
 
 /// What a viewer may say. TYPE is the message's `type`.
-struct CameraMessage { static constexpr const char* TYPE = "camera"; uint32_t inputId = 0; Camera camera; bool moving = false; };
-struct SettingsMessage { static constexpr const char* TYPE = "settings"; uint32_t inputId = 0; nlohmann::json values; };
-struct ResolutionMessage { static constexpr const char* TYPE = "resolution"; uint32_t inputId = 0; uvec2 size{0, 0}; };
-struct SceneMessage { static constexpr const char* TYPE = "scene"; std::string name; };
-struct AckMessage { static constexpr const char* TYPE = "ack"; uint32_t frameId = 0; std::optional<double> presentedMs; };
-struct PictureMessage { static constexpr const char* TYPE = "picture"; PictureFormat format = PictureFormat::png; };
-struct PathMessage { static constexpr const char* TYPE = "path"; bool playing = false; };
-struct PingMessage { static constexpr const char* TYPE = "ping"; double time = 0.0; };
-struct TokenMessage { static constexpr const char* TYPE = "token"; std::string token; };
-struct EffectCostsMessage { static constexpr const char* TYPE = "effectCosts"; };
+struct CameraMessage {
+    static constexpr const char* TYPE = "camera";
+    uint32_t inputId = 0;
+    Camera camera;
+    bool moving = false;
+};
+struct SettingsMessage {
+    static constexpr const char* TYPE = "settings";
+    uint32_t inputId = 0;
+    nlohmann::json values;
+};
+struct ResolutionMessage {
+    static constexpr const char* TYPE = "resolution";
+    uint32_t inputId = 0;
+    uvec2 size{0, 0};
+};
+struct SceneMessage {
+    static constexpr const char* TYPE = "scene";
+    std::string name;
+};
+struct AckMessage {
+    static constexpr const char* TYPE = "ack";
+    uint32_t frameId = 0;
+    std::optional<double> presentedMs;
+};
+struct PictureMessage {
+    static constexpr const char* TYPE = "picture";
+    PictureFormat format = PictureFormat::png;
+};
+struct PathMessage {
+    static constexpr const char* TYPE = "path";
+    bool playing = false;
+};
+struct PingMessage {
+    static constexpr const char* TYPE = "ping";
+    double time = 0.0;
+};
+struct TokenMessage {
+    static constexpr const char* TYPE = "token";
+    std::string token;
+};
+struct EffectCostsMessage {
+    static constexpr const char* TYPE = "effectCosts";
+};
 struct FocusMessage {
     static constexpr const char* TYPE = "focus";
     uint32_t inputId = 0;
@@ -94,7 +128,7 @@ struct FrameHeader {
     uint32_t renderMicros = 0;
     uint32_t developMicros = 0;
     uint32_t encodeMicros = 0;
-    uint32_t inputMicros = 0;   // input to render start
+    uint32_t inputMicros = 0;  // input to render start
     uint32_t sendMicros = 0;   // encoded to written
     uint32_t payloadBytes = 0;
     uint32_t devices = 0;  // bit set

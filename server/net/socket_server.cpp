@@ -31,9 +31,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto GOODBYE = 150ms;               // for close frames when the server ends
-constexpr size_t HTTP_PIECE = 32 * 1024;      // bytes of a file written at once
-constexpr unsigned HEADER_BYTES = 4096;       // room for the headers of an answer
+constexpr auto GOODBYE = 150ms;           // for close frames when the server ends
+constexpr size_t HTTP_PIECE = 32 * 1024;  // bytes of a file written at once
+constexpr unsigned HEADER_BYTES = 4096;   // room for the headers of an answer
 
 constexpr std::pair<const char*, const char*> SECURITY_HEADERS[] = {
     {"content-security-policy:",
@@ -111,8 +111,8 @@ bool lists(std::string_view list, std::string_view word) {
 
 /// An answer over HTTP while it is written.
 struct Answer {
-    std::string own;            // bytes made for it
-    std::string_view bytes;     // `own` or a file's
+    std::string own;         // bytes made for it
+    std::string_view bytes;  // `own` or a file's
     size_t offset = 0;
 };
 
@@ -123,7 +123,9 @@ public:
     Impl(SocketOptions options, SocketHandler& handler);
     ~Impl();
 
-    void start() { thread_ = std::thread([this] { serve(); }); }
+    void start() {
+        thread_ = std::thread([this] { serve(); });
+    }
     void stop();
 
     lws_context* context_ = nullptr;
@@ -226,10 +228,12 @@ void SocketServer::Impl::createContext() {
     context_ = lws_create_context(&info);
     if (!context_) {
         if (!options_.certificateFile.empty()) {
-            throw InputError(options_.certificateFile, "does not work as certificate with " + options_.keyFile + " (" + lastLibraryError() + ")",
+            throw InputError(options_.certificateFile,
+                             "does not work as certificate with " + options_.keyFile + " (" + lastLibraryError() + ")",
                              "a PEM certificate and its key");
         }
-        throw InputError("--listen", listen.host + ":" + std::to_string(listen.port) + ": " + lastLibraryError(), "a free port");
+        throw InputError("--listen", listen.host + ":" + std::to_string(listen.port) + ": " + lastLibraryError(),
+                         "a free port");
     }
     port_ = lws_get_vhost_listen_port(lws_get_vhost_by_name(context_, "default"));
 }
@@ -301,7 +305,8 @@ int SocketServer::Impl::request(lws* wsi, std::string_view path) {
         return answer(wsi, ready ? 200 : 503, "text/plain", {ready ? "ready\n" : "no scene yet\n", {}, 0});
     }
     if (path == "/metrics") {
-        if (!options_.token.empty() && !hasToken(wsi)) return refuse(wsi, 401, "Authorization: Bearer with the token is needed");
+        if (!options_.token.empty() && !hasToken(wsi))
+            return refuse(wsi, 401, "Authorization: Bearer with the token is needed");
         return answer(wsi, 200, "text/plain; version=0.0.4", {handler_.metricsText(), {}, 0});
     }
     auto file = options_.files.find(path);
@@ -319,7 +324,8 @@ int SocketServer::Impl::answer(lws* wsi, unsigned status, const std::string& mim
     for (const auto& [name, value] : SECURITY_HEADERS) {
         const auto* bytes = reinterpret_cast<const unsigned char*>(value);
         if (lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name), bytes,
-                                        static_cast<int>(std::strlen(value)), &at, end)) return -1;
+                                        static_cast<int>(std::strlen(value)), &at, end))
+            return -1;
     }
     if (lws_finalize_write_http_header(wsi, begin, &at, end)) return -1;
     if (head || kept.bytes.empty()) {
@@ -352,7 +358,8 @@ int SocketServer::Impl::writeAnswer(lws* wsi) {
 bool SocketServer::Impl::hasToken(lws* wsi) const {
     std::string authorization = header(wsi, WSI_TOKEN_HTTP_AUTHORIZATION);
     constexpr std::string_view bearer = "Bearer ";
-    return authorization.starts_with(bearer) && sameSecret(std::string_view(authorization).substr(bearer.size()), options_.token);
+    return authorization.starts_with(bearer) &&
+           sameSecret(std::string_view(authorization).substr(bearer.size()), options_.token);
 }
 
 int SocketServer::Impl::refuse(lws* wsi, unsigned status, const std::string& why) {

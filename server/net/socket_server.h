@@ -12,7 +12,7 @@ namespace heliograph {
 
 struct SocketOptions {
     ListenAddress listen;
-    std::string certificateFile;              // PEM; with keyFile: TLS
+    std::string certificateFile;  // PEM; with keyFile: TLS
     std::string keyFile;
     std::string token;                        // empty: none is asked for
     std::vector<std::string> allowedOrigins;  // beside the server's own, as "https://example.org"

@@ -28,12 +28,12 @@ struct Entry {
     std::mutex loading;  // held while the device gets the scene
     std::shared_ptr<std::atomic<uint32_t>> inside = std::make_shared<std::atomic<uint32_t>>(0);
 
-    std::mutex mutex;  // of all below
-    std::shared_ptr<Device> device;   // null until it holds the scene
-    std::string aside;                // why it is set aside; empty = it is not
-    bool busy = false;                // somebody gets it ready in the background
-    bool blocked = false;             // and frames would wait for that
-    bool stalls = false;              // it was waited for in vain
+    std::mutex mutex;                // of all below
+    std::shared_ptr<Device> device;  // null until it holds the scene
+    std::string aside;               // why it is set aside; empty = it is not
+    bool busy = false;               // somebody gets it ready in the background
+    bool blocked = false;            // and frames would wait for that
+    bool stalls = false;             // it was waited for in vain
 
     std::shared_ptr<Device> ready() {
         std::lock_guard lock(mutex);
@@ -67,7 +67,8 @@ public:
         }
         if (first_ != HYBRID) {
             usable(first_, settings, progress);
-            if (hasSpare(first_) && !options_.patient) background_.run(scheduler_.crew(), [this, settings] { loadSpare(settings); });
+            if (hasSpare(first_) && !options_.patient)
+                background_.run(scheduler_.crew(), [this, settings] { loadSpare(settings); });
             return;
         }
         bool any = false;
@@ -83,8 +84,7 @@ public:
         if (name != HYBRID) usable(name, settings, {})->prepare(settings);
     }
 
-    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
-                std::stop_token stop) override {
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         const std::string name = offer_.nameOf(request.settings);
         if (name == HYBRID) renderTogether(request, tiles, sink, stop);
         else renderAlone(name, request, tiles, sink, stop);
@@ -153,7 +153,8 @@ private:
             std::lock_guard lock(entry->mutex);
             entry->device = device;
         }
-        if (!options_.patient) background_.run(scheduler_.crew(), [this, name = entry->name, device] { standBy(name, *device); });
+        if (!options_.patient)
+            background_.run(scheduler_.crew(), [this, name = entry->name, device] { standBy(name, *device); });
         return device;
     }
 
@@ -257,7 +258,8 @@ private:
             memory_.rates.forget(device);
             setAside(device, why);
         }
-        if (!result.missing.empty() && !stop.stop_requested()) throw std::runtime_error("hybrid: " + whyNobody(request.settings));
+        if (!result.missing.empty() && !stop.stop_requested())
+            throw std::runtime_error("hybrid: " + whyNobody(request.settings));
     }
 
     /// Why no device is left.

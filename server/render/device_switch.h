@@ -18,8 +18,8 @@ struct DeviceOffer {
     std::function<std::string(const Settings&)> nameOf;
     /// Throws InputError for a device that is not there, std::runtime_error if it cannot start.
     std::function<std::unique_ptr<Device>(const std::string& name)> make;
-    std::vector<std::string> team;   // devices of hybrid, the one that is ready soonest first
-    std::string spare;               // that takes over from a traced device that compiles or failed; empty: none does
+    std::vector<std::string> team;  // devices of hybrid, the one that is ready soonest first
+    std::string spare;              // that takes over from a traced device that compiles or failed; empty: none does
 };
 
 struct DeviceSwitchOptions {

@@ -7,11 +7,11 @@
 namespace heliograph {
 
 struct FrameStats {
-    double milliseconds = 0.0;             // wall clock, from the first tile to the last one in the film
-    uint32_t samples = 0;                  // per pixel, completed
+    double milliseconds = 0.0;  // wall clock, from the first tile to the last one in the film
+    uint32_t samples = 0;       // per pixel, completed
     RayCounts rays;
     uint64_t nonfiniteSamples = 0;
-    std::map<std::string, uint64_t> tiles; // delivered, by device
+    std::map<std::string, uint64_t> tiles;  // delivered, by device
 };
 
 /// Resets the film and gives every pixel `samples` samples, one sample per pass over the tiles of the settings' size. Each

@@ -34,7 +34,8 @@ void makeRoom(Film& film) {
         film.makeRoomForSums();
     } catch (const std::bad_alloc&) {
         const uvec2 size = film.resolution();
-        throw std::runtime_error("no memory for a second sample of " + std::to_string(size.x) + " x " + std::to_string(size.y) + " pixels");
+        throw std::runtime_error("no memory for a second sample of " + std::to_string(size.x) + " x " + std::to_string(size.y) +
+                                 " pixels");
     }
 }
 
@@ -75,7 +76,8 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
             turn.emplace(std::move(*next));
         }
         const size_t count = tilesOfTurn(tiles.size() - done, workers);
-        const double seconds = renderSlice(pass, std::span(tiles).subspan(done, count), done, tiles.size(), figures, partition.get());
+        const double seconds =
+            renderSlice(pass, std::span(tiles).subspan(done, count), done, tiles.size(), figures, partition.get());
         turn.reset();
         figures.lastPassSeconds += seconds;
         figures.renderSeconds += seconds;

@@ -12,25 +12,25 @@ namespace heliograph {
 
 /// What passes cost; those before are added up.
 struct PassFigures {
-    uint32_t passes = 0;                    // finished
-    double renderSeconds = 0.0;             // wall time of all of them, waiting for turns left out
+    uint32_t passes = 0;         // finished
+    double renderSeconds = 0.0;  // wall time of all of them, waiting for turns left out
     double lastPassSeconds = 0.0;
     double coreSeconds = 0.0;               // processor time that the device says it took
     RayCounts rays;                         // all passes
     RayCounts lastRays;                     // the last pass
     std::map<std::string, uint64_t> tiles;  // by device
     uint64_t nonfiniteSamples = 0;
-    uint32_t devices = 0;                   // bit set of docs/reference/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
-    ScheduleReport schedule;                // of the last pass; without devices where one device alone was asked for
+    uint32_t devices = 0;     // bit set of docs/reference/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
+    ScheduleReport schedule;  // of the last pass; without devices where one device alone was asked for
     std::shared_ptr<const Partition> partition;  // of the last pass, if the settings ask for it
 };
 
 /// What is to be rendered where.
 struct Pass {
-    Device& device;               // holds the scene
+    Device& device;  // holds the scene
     const FrameRequest& request;
-    Film& film;                   // of the request's size and generation
-    uint32_t firstSample = 0;     // samples that every pixel has
+    Film& film;                // of the request's size and generation
+    uint32_t firstSample = 0;  // samples that every pixel has
     std::stop_token stop = {};
     std::function<void(double share)> progress = {};  // of this pass; called from the device's threads, one at a time
 };

@@ -268,7 +268,8 @@ void TileRun::take(uint32_t device, TileResult&& result) {
     Cell open = Cell::open;
     if (!cells_[tile].compare_exchange_strong(open, Cell::claimed)) return;
     const auto rays = static_cast<double>(result.rays.total());
-    made_[tile] = {static_cast<float>(rays / static_cast<double>(samplesOf(result.tile))), static_cast<float>(result.seconds), device};
+    made_[tile] = {static_cast<float>(rays / static_cast<double>(samplesOf(result.tile))), static_cast<float>(result.seconds),
+                   device};
     try {
         work_.sink(std::move(result));
         cells_[tile].store(Cell::done);
@@ -337,7 +338,9 @@ void TileRun::note(const Hand& hand, uint32_t device, double predicted, double b
         delivered++;
     }
     if (delivered < hand.tiles.size()) return;  // somebody else made a part, so the time means nothing
-    records_.push_back({p.info.name, {p.whole ? cost / p.info.streams : cost, predicted, p.info.stampsTiles && !p.whole ? seconds : busy, busy}});
+    records_.push_back(
+        {p.info.name,
+         {p.whole ? cost / p.info.streams : cost, predicted, p.info.stampsTiles && !p.whole ? seconds : busy, busy}});
 }
 
 /// A device that failed once does nothing more in this frame.

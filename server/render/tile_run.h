@@ -25,7 +25,7 @@ struct Participant {
     BalanceDevice known;  // what is known of it
     /// Calls of renderStream that have not come back; outlives the frame.
     std::shared_ptr<std::atomic<uint32_t>> inside;
-    bool whole = false;   // its one worker is the whole device (`render`), not a stream
+    bool whole = false;  // its one worker is the whole device (`render`), not a stream
 };
 
 /// What is to be made, and what is predicted of it.

@@ -28,7 +28,8 @@ std::vector<uint32_t> wantedOrder(std::span<const Tile> tiles, const FrameHistor
     if (history.errors.size() == history.costs.fromCentre().size()) {
         noisy.resize(history.errors.size());
         std::iota(noisy.begin(), noisy.end(), 0u);
-        std::stable_sort(noisy.begin(), noisy.end(), [&](uint32_t a, uint32_t b) { return history.errors[a] > history.errors[b]; });
+        std::stable_sort(noisy.begin(), noisy.end(),
+                         [&](uint32_t a, uint32_t b) { return history.errors[a] > history.errors[b]; });
     }
     const std::vector<uint32_t>& cells = noisy.empty() ? history.costs.fromCentre() : noisy;
     constexpr uint32_t NONE = UINT32_MAX;
@@ -173,7 +174,8 @@ std::shared_ptr<TileRun> TileScheduler::automatic(const Job& job, ScheduleMemory
         if (!trial->together(now)) {
             char reason[96] = "the best device is timed alone";
             if (trial->measured()) {
-                std::snprintf(reason, sizeof reason, "measured: all together %+.1f %% against the best device alone", 100.0 * trial->gain());
+                std::snprintf(reason, sizeof reason, "measured: all together %+.1f %% against the best device alone",
+                              100.0 * trial->gain());
             }
             parkAllButBest(participants, reason);
         }
@@ -201,8 +203,9 @@ std::vector<std::shared_ptr<TileRun>> TileScheduler::manual(const Job& job, Sche
     auto costOf = [&](uint32_t tile) { return job.history.costs.predicted(job.history.costs.cellAt(job.tiles[tile].origin)); };
     double total = 0.0;
     for (uint32_t tile : order) total += costOf(tile);
-    const bool sides[2] = {std::ranges::any_of(job.candidates, [](const Candidate& c) { return c.blocked.empty() && !isGpuSide(c); }),
-                           std::ranges::any_of(job.candidates, [](const Candidate& c) { return c.blocked.empty() && isGpuSide(c); })};
+    const bool sides[2] = {
+        std::ranges::any_of(job.candidates, [](const Candidate& c) { return c.blocked.empty() && !isGpuSide(c); }),
+        std::ranges::any_of(job.candidates, [](const Candidate& c) { return c.blocked.empty() && isGpuSide(c); })};
     double share = 0.01 * job.request.settings.hybridShare;
     if (!sides[0]) share = 1.0;
     if (!sides[1]) share = 0.0;
@@ -254,8 +257,9 @@ std::vector<std::shared_ptr<TileRun>> TileScheduler::manual(const Job& job, Sche
     return runs;
 }
 
-ScheduleResult TileScheduler::render(const FrameRequest& request, std::span<const Tile> tiles, std::vector<Candidate> candidates,
-                                     ScheduleMemory& memory, const TileSink& sink, std::stop_token stop) {
+ScheduleResult TileScheduler::render(const FrameRequest& request, std::span<const Tile> tiles,
+                                     std::vector<Candidate> candidates, ScheduleMemory& memory, const TileSink& sink,
+                                     std::stop_token stop) {
     FrameHistory unknown;
     FrameHistory& history = request.history ? *request.history : unknown;
     if (!request.history) history.costs.begin(request.resolution, tiles.empty() ? uvec2(CELL_SIZE) : tiles.front().size);

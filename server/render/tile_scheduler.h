@@ -17,10 +17,10 @@ namespace heliograph {
 /// A device that could take part in a frame.
 struct Candidate {
     std::shared_ptr<Device> device;
-    DeviceInfo info;      // under the frame's settings
-    std::string blocked;  // why it cannot take part now, one line; empty = it can
+    DeviceInfo info;                                // under the frame's settings
+    std::string blocked;                            // why it cannot take part now, one line; empty = it can
     std::shared_ptr<std::atomic<uint32_t>> inside;  // as Participant's
-    bool forced = false;  // takes part whatever it gains
+    bool forced = false;                            // takes part whatever it gains
 };
 
 /// What was learned of the devices of one scene. Of one frame at a time.
@@ -30,7 +30,7 @@ struct ScheduleMemory {
 };
 
 struct ScheduleResult {
-    std::vector<Tile> missing;  // that nobody delivered: all devices failed, or it was stopped
+    std::vector<Tile> missing;                                  // that nobody delivered: all devices failed, or it was stopped
     std::vector<std::pair<std::string, std::string>> failures;  // device, and how it failed
 };
 

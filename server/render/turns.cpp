@@ -4,8 +4,7 @@
 
 namespace heliograph {
 
-Turns::Turn::Turn(Turns& turns, Account& account)
-    : turns_(&turns), account_(&account), begin_(turns.clock_()) {}
+Turns::Turn::Turn(Turns& turns, Account& account) : turns_(&turns), account_(&account), begin_(turns.clock_()) {}
 
 Turns::Turn::Turn(Turn&& other) noexcept : turns_(other.turns_), account_(other.account_), begin_(other.begin_) {
     other.turns_ = nullptr;

@@ -55,12 +55,22 @@ public:
     /// with every frame waits for one slice at most.
     bool shared(const Account& account) const;
     /// Seconds used by the account and by everybody.
-    struct Used { double own = 0.0; double all = 0.0; };
+    struct Used {
+        double own = 0.0;
+        double all = 0.0;
+    };
     Used used(const Account& account) const;
 
 private:
-    struct Waiter { Account* account; double start; std::condition_variable_any* called; };
-    struct Past { const Account* account = nullptr; double end = 0.0; };  // end of its last turn; seconds
+    struct Waiter {
+        Account* account;
+        double start;
+        std::condition_variable_any* called;
+    };
+    struct Past {
+        const Account* account = nullptr;
+        double end = 0.0;
+    };  // end of its last turn; seconds
 
     void release(Account& account, double seconds);
     void callNext();
@@ -72,8 +82,8 @@ private:
     Past latest_, before_;         // of two accounts; only compared, never followed
     bool taken_ = false;
     uint64_t wakeUps_ = 0;
-    double now_ = 0.0;   // virtual time: the start of the turn in progress
-    double all_ = 0.0;   // seconds
+    double now_ = 0.0;  // virtual time: the start of the turn in progress
+    double all_ = 0.0;  // seconds
 };
 
 }  // namespace heliograph

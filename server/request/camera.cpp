@@ -31,7 +31,9 @@ dvec3 unit(vec3 v) {
     return glm::normalize(dvec3(v) / largest);
 }
 
-struct Axes { dvec3 forward, right, up; };
+struct Axes {
+    dvec3 forward, right, up;
+};
 
 /// False when `up` gives no direction beside `forward`.
 bool axesOf(vec3 forward, vec3 up, Axes& axes) {
@@ -59,9 +61,7 @@ dvec3 catmullRom(dvec3 p0, dvec3 p1, dvec3 p2, dvec3 p3, double t) {
 
 }  // namespace
 
-Camera cameraFrom(const NamedCamera& named) {
-    return {named.position, named.forward, named.up, named.fieldOfView};
-}
+Camera cameraFrom(const NamedCamera& named) { return {named.position, named.forward, named.up, named.fieldOfView}; }
 
 Camera checkedCamera(const Camera& camera) {
     checkFinite("position", camera.position);

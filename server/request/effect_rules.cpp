@@ -27,7 +27,8 @@ struct Usage {
         for (size_t m = 0; m < s.meshes.size(); m++) {
             if (uses[m] > 0) add(s.meshes[m], uses[m]);
         }
-        for (size_t m = 0; m < s.materials.size(); m++) lit |= trianglesOf[m] > 0 && (s.materials[m].flags & MATERIAL_UNLIT) == 0;
+        for (size_t m = 0; m < s.materials.size(); m++)
+            lit |= trianglesOf[m] > 0 && (s.materials[m].flags & MATERIAL_UNLIT) == 0;
     }
 
 private:
@@ -84,8 +85,8 @@ Finding byMaterial(const Usage& usage, const std::string& lack, const std::funct
 }
 
 std::array<uint32_t, 7> textureSlots(const Material& m) {
-    return {m.baseTexture, m.metallicRoughnessTexture, m.normalTexture, m.emissionTexture, m.opacityTexture,
-            m.transmissionTexture, m.specularTexture};
+    return {m.baseTexture,    m.metallicRoughnessTexture, m.normalTexture,  m.emissionTexture,
+            m.opacityTexture, m.transmissionTexture,      m.specularTexture};
 }
 
 bool hasTexture(const Material& m) {
@@ -131,13 +132,12 @@ bool smootherThan(const Scene& scene, const Material& m, float limit) {
     if (m.roughness < limit) return true;
     if (m.metallicRoughnessTexture == NO_INDEX) return false;
     if (scene.images[scene.textures[m.metallicRoughnessTexture].image].format == IMAGE_RGB9E5) return true;
-    return anyTexel(scene, m.metallicRoughnessTexture, [&](uint32_t texel) {
-        return m.roughness * static_cast<float>((texel >> 8) & 255u) / 255.0f < limit;
-    });
+    return anyTexel(scene, m.metallicRoughnessTexture,
+                    [&](uint32_t texel) { return m.roughness * static_cast<float>((texel >> 8) & 255u) / 255.0f < limit; });
 }
 
-constexpr float LEAST_MIRROR = 0.01f;   // constant reflectance of MTL below which no ray is worth it
-constexpr float ROUGHEST_MIRROR = 0.4f; // material.glsl: traceableShare is 0 from there
+constexpr float LEAST_MIRROR = 0.01f;    // constant reflectance of MTL below which no ray is worth it
+constexpr float ROUGHEST_MIRROR = 0.4f;  // material.glsl: traceableShare is 0 from there
 
 bool glows(const Scene& scene, const Material& m) {
     bool factor = m.emission.x > 0.0f || m.emission.y > 0.0f || m.emission.z > 0.0f;
@@ -217,7 +217,8 @@ Finding shadows(const Usage& usage) {
 Finding softShadows(const Usage& usage) {
     const auto& lights = usage.scene.lights;
     if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
-    auto wide = std::count_if(lights.begin(), lights.end(), [](const Light& l) { return shines(l) && (l.radius > 0.0f || l.type == LIGHT_QUAD); });
+    auto wide = std::count_if(lights.begin(), lights.end(),
+                              [](const Light& l) { return shines(l) && (l.radius > 0.0f || l.type == LIGHT_QUAD); });
     if (wide == 0) return {false, "no light has an extent"};
     return {true, counted(static_cast<uint64_t>(wide), "light") + " with an extent"};
 }
@@ -237,26 +238,27 @@ Finding environment(const Usage& usage) {
 }
 
 Finding tangents(const Usage& usage) {
-    return byMaterial(usage, "no normal or bump image on a mesh with tangents", [&](uint32_t m) {
-        return bumpy(usage.scene.materials[m]) && (usage.met[m] & Usage::MET_TANGENTS) != 0;
-    });
+    return byMaterial(usage, "no normal or bump image on a mesh with tangents",
+                      [&](uint32_t m) { return bumpy(usage.scene.materials[m]) && (usage.met[m] & Usage::MET_TANGENTS) != 0; });
 }
 
 Finding instancing(const Usage& usage) {
     const auto& instances = usage.scene.instances;
-    auto placed = std::count_if(instances.begin(), instances.end(),
-                                [](const Instance& i) { return (i.flags & INSTANCE_IDENTITY) == 0; });
+    auto placed =
+        std::count_if(instances.begin(), instances.end(), [](const Instance& i) { return (i.flags & INSTANCE_IDENTITY) == 0; });
     if (placed == 0) return {false, "every mesh stands where its vertices say"};
     return {true, counted(static_cast<uint64_t>(placed), "placed instance") + ", " +
                       counted(usage.scene.triangles.size(), "stored triangle")};
 }
 
 Finding reflections(const Usage& usage) {
-    return byItsMaterial(usage, "no mirror, glass or smooth surface", [&](const Material& m) { return reflects(usage.scene, m); });
+    return byItsMaterial(usage, "no mirror, glass or smooth surface",
+                         [&](const Material& m) { return reflects(usage.scene, m); });
 }
 
 Finding glossyReflections(const Usage& usage) {
-    return byItsMaterial(usage, "no surface between smooth and rough", [&](const Material& m) { return glossy(usage.scene, m); });
+    return byItsMaterial(usage, "no surface between smooth and rough",
+                         [&](const Material& m) { return glossy(usage.scene, m); });
 }
 
 Finding refractions(const Usage& usage) {
@@ -318,11 +320,12 @@ std::vector<EffectReason> notSimulated(const AtRest& atRest) {
     auto row = [](const char* name, size_t number, const std::string& what, const char* lack, const char* help) {
         return EffectReason{name, 0, number > 0, number > 0 ? what + "; shown at rest" : lack, "", help, false};
     };
-    return {row("animation", atRest.animations.size(), listed(atRest.animations, "animation"), "no animation in the file", "Objects that move in time."),
+    return {row("animation", atRest.animations.size(), listed(atRest.animations, "animation"), "no animation in the file",
+                "Objects that move in time."),
             row("skinning", atRest.skinnedMeshes, counted(atRest.skinnedMeshes, "skinned mesh", "es"), "no skin in the file",
                 "Surfaces that follow a skeleton."),
-            row("morphing", atRest.morphedMeshes, counted(atRest.morphedMeshes, "mesh", "es") + " with morph targets", "no morph targets in the file",
-                "Surfaces that blend between shapes.")};
+            row("morphing", atRest.morphedMeshes, counted(atRest.morphedMeshes, "mesh", "es") + " with morph targets",
+                "no morph targets in the file", "Surfaces that blend between shapes.")};
 }
 
 }  // namespace

@@ -18,9 +18,9 @@ struct FrameHistory;
 struct FrameRequest {
     Camera camera;
     Settings settings;
-    EffectSet effects;        // effectsOf(scene) & allowedEffects(settings)
+    EffectSet effects;  // effectsOf(scene) & allowedEffects(settings)
     uvec2 resolution{0, 0};
-    uint32_t generation = 0;  // grows with each new request of a viewer
+    uint32_t generation = 0;               // grows with each new request of a viewer
     std::optional<Camera> previousCamera;  // a frame ago, for motion blur; none: the camera rests
     /// What frames of this viewer have cost so far (frame_history.h), for devices that distribute tiles; may be null. Of one
     /// frame at a time.

@@ -11,9 +11,9 @@ namespace heliograph {
 struct ViewRequest {
     Camera camera;
     Settings settings;
-    uvec2 resolution{0, 0};  // pixels of the display; the film is `filmSize` of it
-    uint32_t inputId = 0;    // newest input that this request contains
-    bool moving = false;     // the viewer is still at it
+    uvec2 resolution{0, 0};                            // pixels of the display; the film is `filmSize` of it
+    uint32_t inputId = 0;                              // newest input that this request contains
+    bool moving = false;                               // the viewer is still at it
     std::chrono::steady_clock::time_point received{};  // when the newest input came
 };
 
@@ -33,7 +33,7 @@ bool cancelsPass(const ViewRequest& running, uint32_t firstSample, bool cancelle
 
 /// How far the film is and what the viewer was last sent of it.
 struct Delivery {
-    uint32_t samples = 0;           // per pixel, finished
+    uint32_t samples = 0;  // per pixel, finished
     uint32_t targetSamples = 1;
     uint32_t deliveredSamples = 0;  // in the last frame handed over; 0: none of this film yet
     bool outdated = false;          // that frame shows an older input id or older exposure

@@ -17,7 +17,10 @@ struct Bounds {
     bool empty() const { return low.x > high.x; }
     vec3 center() const { return 0.5f * (low + high); }
     float radius() const { return empty() ? 1.0f : 0.5f * glm::length(high - low); }  // of the bounding sphere
-    void grow(vec3 point) { low = glm::min(low, point); high = glm::max(high, point); }
+    void grow(vec3 point) {
+        low = glm::min(low, point);
+        high = glm::max(high, point);
+    }
 };
 
 /// A viewpoint of the scene. Angles in degrees.
@@ -31,7 +34,10 @@ struct NamedCamera {
 
 /// A camera path: keys are passed at equal times along a closed or open Catmull-Rom spline.
 struct CameraPath {
-    struct Key { vec3 position; vec3 target; };
+    struct Key {
+        vec3 position;
+        vec3 target;
+    };
     std::string name;
     float seconds = 10.0f;
     bool closed = true;
@@ -42,16 +48,16 @@ struct CameraPath {
 struct AtRest {
     std::vector<std::string> animations;  // their names, "" for those without
     uint32_t skinnedMeshes = 0;
-    uint32_t morphedMeshes = 0;           // with morph targets; the file's weights are applied
+    uint32_t morphedMeshes = 0;  // with morph targets; the file's weights are applied
 };
 
 class Scene {
 public:
-    std::string name;                 // as the user asked for it
-    std::vector<vec4> positions;      // object space, w = 0; one padding element at the end (Embree reads 16 bytes)
+    std::string name;                          // as the user asked for it
+    std::vector<vec4> positions;               // object space, w = 0; one padding element at the end (Embree reads 16 bytes)
     std::vector<VertexAttributes> attributes;  // one per position
-    std::vector<vec4> tangents;       // xyz unit, w = +-1; one per position or empty when no mesh has them
-    std::vector<uvec4> triangles;     // three absolute vertex indices and the material
+    std::vector<vec4> tangents;                // xyz unit, w = +-1; one per position or empty when no mesh has them
+    std::vector<uvec4> triangles;              // three absolute vertex indices and the material
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<Material> materials;
@@ -67,10 +73,10 @@ public:
     std::vector<CameraPath> paths;           // may be empty
     std::vector<std::string> warnings;       // what the loader changed, ignored or added
     AtRest atRest;
-    Bounds bounds;                           // world space
-    float aoRadius = 1.0f;                   // metres: what aoRadius = 1 means in this scene
-    float exposure = 0.0f;                   // EV that suits the scene, added to the viewer's
-    uint64_t contentHash = 0;                // of every array above
+    Bounds bounds;             // world space
+    float aoRadius = 1.0f;     // metres: what aoRadius = 1 means in this scene
+    float exposure = 0.0f;     // EV that suits the scene, added to the viewer's
+    uint64_t contentHash = 0;  // of every array above
 
     /// Where a camera may stand: within 10,000 radii of the scene's middle (from there it fills the narrowest field of view),
     /// at least 10 km, and where lengths still have squares in float.

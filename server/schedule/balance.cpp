@@ -121,9 +121,8 @@ std::vector<DevicePart> chooseParts(std::span<const BalanceDevice> devices, doub
     for (size_t i = 0; i < devices.size(); i++) {
         if (parts[i].part != Part::works || devices[i].forced || i == best) continue;
         if (overhead(devices[i]) >= end) {
-            parts[i] = {Part::parked,
-                        formatted("a batch takes %.2f ms beside the work, and the frame is done in %.2f ms",
-                                  1e3 * overhead(devices[i]), 1e3 * end)};
+            parts[i] = {Part::parked, formatted("a batch takes %.2f ms beside the work, and the frame is done in %.2f ms",
+                                                1e3 * overhead(devices[i]), 1e3 * end)};
         } else if (gain < LEAST_GAIN) {
             parts[i] = {Part::parked, formatted("all others together would gain %.1f %% over %s alone, under %.0f %%",
                                                 100.0 * gain, devices[best].name.c_str(), 100.0 * LEAST_GAIN)};

@@ -68,8 +68,8 @@ struct BatchQuestion {
 };
 
 struct BatchAnswer {
-    double cost = 0.0;   // wanted; 0 = nothing fits
-    bool last = true;    // the worker's last batch of the frame, if predictions hold
+    double cost = 0.0;  // wanted; 0 = nothing fits
+    bool last = true;   // the worker's last batch of the frame, if predictions hold
 };
 
 /// The worker's fair share less what predictions may be wrong by; all of it when what would be held back is not worth

@@ -130,8 +130,7 @@ std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now
     const double end = predictedEnd(now);
     const double room = end - worker.ready;  // below 0: it would only just be ready when the rest is done
     const double left = static_cast<double>(order_.size() - next_);
-    const BatchAnswer answer =
-        batchCost({room, worker.rate, worker.spread, worker.batchSeconds, poolCost_ / left, deviation_});
+    const BatchAnswer answer = batchCost({room, worker.rate, worker.spread, worker.batchSeconds, poolCost_ / left, deviation_});
     uint32_t last = endFor(worker, answer, room, OVERSHOOT * (end - begin_));
     if (lone_) {
         last = static_cast<uint32_t>(order_.size());  // there is nobody to hold anything back for

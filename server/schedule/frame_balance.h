@@ -25,8 +25,8 @@ public:
         uint32_t id = 0;
         uint32_t worker = 0;
         uint32_t first = 0, last = 0;
-        double cost = 0.0;  // predicted
-        double due = 0.0;   // when its result should be here; infinite if the worker's rate is unknown
+        double cost = 0.0;     // predicted
+        double due = 0.0;      // when its result should be here; infinite if the worker's rate is unknown
         double seconds = 0.0;  // predicted, at the device, fixed cost included; 0 if unknown
     };
 
@@ -87,11 +87,11 @@ private:
     enum class State : uint8_t { works, probes, samples, suspect, parked, lost };
     struct Worker {
         uint32_t device = 0;
-        uint32_t silicon = 0;  // number of the first device on the same silicon
+        uint32_t silicon = 0;                                             // number of the first device on the same silicon
         double rate = 0.0, spread = 0.0, batchSeconds = 0.0, half = 0.0;  // half: of the round trip
-        double guess = 0.0;   // of the rate while it is unknown
-        double freeAt = 0.0;  // at the device, predicted
-        double ready = 0.0;   // as counted in table_
+        double guess = 0.0;                                               // of the rate while it is unknown
+        double freeAt = 0.0;                                              // at the device, predicted
+        double ready = 0.0;                                               // as counted in table_
         State state = State::works;
         bool isCounted = false;  // in table_
         std::array<uint32_t, MOST_IN_HAND> inHand{};
@@ -129,14 +129,14 @@ private:
     std::vector<Worker> workers_;
     std::vector<uint32_t> askOrder_;
     std::vector<float> costs_;
-    std::vector<uint32_t> order_;       // cells; those that went back are appended
-    std::vector<double> prefix_;        // cost of order_[0, i)
+    std::vector<uint32_t> order_;  // cells; those that went back are appended
+    std::vector<double> prefix_;   // cost of order_[0, i)
     std::vector<uint8_t> delivered_;
-    std::vector<uint8_t> again_;        // by cell: went back and waits
+    std::vector<uint8_t> again_;  // by cell: went back and waits
     std::vector<Entry> batches_;
-    std::vector<Alarm> alarms_;         // heap, soonest first
-    size_t original_ = 0;               // order_ as it was given
-    size_t next_ = 0;                   // order_[next_...) waits
+    std::vector<Alarm> alarms_;  // heap, soonest first
+    size_t original_ = 0;        // order_ as it was given
+    size_t next_ = 0;            // order_[next_...) waits
     double poolCost_ = 0.0;
     uint32_t undelivered_ = 0;
     ReadyTable table_;

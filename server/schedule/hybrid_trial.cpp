@@ -68,8 +68,6 @@ void HybridTrial::note(double cost, double seconds, double now) {
     current.rate = sorted[COUNTED / 2];
 }
 
-double HybridTrial::gain() const {
-    return measured() ? sides_[TOGETHER].rate / sides_[ALONE].rate - 1.0 : 0.0;
-}
+double HybridTrial::gain() const { return measured() ? sides_[TOGETHER].rate / sides_[ALONE].rate - 1.0 : 0.0; }
 
 }  // namespace heliograph

@@ -21,8 +21,8 @@ struct BatchRecord {
 class RateBook {
 public:
     struct Rate {
-        double rate = 0.0;     // cost a second of one worker; 0 = never measured
-        double spread = 0.3;   // mean absolute error of predicted batch times over their mean
+        double rate = 0.0;       // cost a second of one worker; 0 = never measured
+        double spread = 0.3;     // mean absolute error of predicted batch times over their mean
         double learnedAt = 0.0;  // seconds, as given to endFrame
     };
 
@@ -46,8 +46,8 @@ public:
 private:
     struct Entry {
         Rate learned;
-        double cost = 0.0, work = 0.0;         // of the frame in progress
-        double error = 0.0, predicted = 0.0;   // seconds, of the frame in progress
+        double cost = 0.0, work = 0.0;        // of the frame in progress
+        double error = 0.0, predicted = 0.0;  // seconds, of the frame in progress
     };
     std::map<std::pair<std::string, uint32_t>, Entry> entries_;
     std::map<std::string, uint64_t> distrusted_;

@@ -24,7 +24,9 @@ public:
 
 private:
     static constexpr size_t SLOTS = 64;
-    struct Slot { double rate = 0.0, weighted = 0.0; };
+    struct Slot {
+        double rate = 0.0, weighted = 0.0;
+    };
 
     size_t slotOf(double time) const;
     void change(double rate, double weighted, double ready);

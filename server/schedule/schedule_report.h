@@ -7,10 +7,10 @@ namespace heliograph {
 
 struct DeviceReport {
     std::string name;
-    DevicePart part;       // with the reason why it did not work, or only to be measured
-    bool lost = false;     // it failed in this frame; the reason says how
-    double rate = 0.0;     // cost a second of all its streams, as predicted; 0 = not measured
-    double cost = 0.0;     // of what it delivered first
+    DevicePart part;    // with the reason why it did not work, or only to be measured
+    bool lost = false;  // it failed in this frame; the reason says how
+    double rate = 0.0;  // cost a second of all its streams, as predicted; 0 = not measured
+    double cost = 0.0;  // of what it delivered first
     uint32_t tiles = 0;
 
     /// works, probes, parked or lost, as JSON says it.
@@ -38,7 +38,7 @@ struct ScheduleReport {
     double seconds = 0.0;               // of all parts of the frame together
     double decisionSeconds = 0.0;       // spent on choosing batches
     uint32_t batches = 0;
-    uint32_t reissued = 0;              // tiles given to a second worker
+    uint32_t reissued = 0;  // tiles given to a second worker
 
     /// Last finish less mean finish of the workers, seconds: what was lost at the end of the frame.
     double endLoss() const;

@@ -9,17 +9,17 @@ namespace heliograph {
 
 struct EffectCost {
     std::string name;
-    double onMs = 0.0;      // median wall time of a frame of one sample, waiting for turns left out
+    double onMs = 0.0;  // median wall time of a frame of one sample, waiting for turns left out
     double offMs = 0.0;
-    uint64_t raysOn = 0;    // of a frame
+    uint64_t raysOn = 0;  // of a frame
     uint64_t raysOff = 0;
 };
 
 struct EffectCosts {
     std::string scene;
     std::string device;
-    uvec2 size{0, 0};       // pixels that were rendered
-    double scale = 1.0;     // pixels of the viewer's film over those
+    uvec2 size{0, 0};              // pixels that were rendered
+    double scale = 1.0;            // pixels of the viewer's film over those
     std::vector<EffectCost> rows;  // in the table's order; effects that are not called for have the view's own cost, twice
 };
 
@@ -37,9 +37,9 @@ public:
     };
     struct News {
         uint64_t order = 0;
-        double share = 0.0;                 // that is done
-        std::optional<EffectCosts> costs;   // when it is finished
-        std::string failure;                // or why it never will be
+        double share = 0.0;                // that is done
+        std::optional<EffectCosts> costs;  // when it is finished
+        std::string failure;               // or why it never will be
     };
 
     /// `listener` is called from the meter's thread without any lock held.

@@ -12,7 +12,8 @@ double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::s
 }
 
 /// `before`: where the camera was a frame ago; without it nothing is blurred by motion.
-FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uint32_t generation, const std::optional<Camera>& before) {
+FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uint32_t generation,
+                        const std::optional<Camera>& before) {
     FrameRequest request;
     request.camera = view.camera;
     request.settings = view.settings;
@@ -27,7 +28,9 @@ FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uin
 }  // namespace
 
 FrameLoop::FrameLoop(Turns& turns, FrameReceiver& receiver, FilmPool films)
-    : turns_(turns), receiver_(receiver), passes_(turns), films_(std::move(films)), thread_([this](std::stop_token stop) { run(stop); }) {}
+    : turns_(turns), receiver_(receiver), passes_(turns), films_(std::move(films)), thread_([this](std::stop_token stop) {
+          run(stop);
+      }) {}
 
 FrameLoop::~FrameLoop() { stop(); }
 
@@ -37,7 +40,8 @@ void FrameLoop::show(const ViewRequest& request) {
         newest_ = request;
         retry_ = true;
         news_++;
-        bool giveUp = pass_.running && pass_.cancellable && cancelsPass(pass_.view, pass_.firstSample, cancelledBefore_, request);
+        bool giveUp =
+            pass_.running && pass_.cancellable && cancelsPass(pass_.view, pass_.firstSample, cancelledBefore_, request);
         if (giveUp) pass_.stop.request_stop();
     }
     changed_.notify_all();
@@ -334,8 +338,7 @@ bool FrameLoop::finishPicture() {
 std::stop_token FrameLoop::beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable) {
     std::lock_guard lock(mutex_);
     pass_ = {true, cancellable, view, firstSample, std::stop_source()};
-    bool giveUp = stopped_ || sceneChanged_ ||
-                  (cancellable && focusAsked_ && firstSample > 0) ||
+    bool giveUp = stopped_ || sceneChanged_ || (cancellable && focusAsked_ && firstSample > 0) ||
                   (cancellable && newest_ && !run_ && cancelsPass(view, firstSample, cancelledBefore_, *newest_));
     if (giveUp) pass_.stop.request_stop();
     return pass_.stop.get_token();

@@ -36,15 +36,15 @@ struct PictureOrder {
 /// A film worth looking at. The film may grow while it is developed, never change its request.
 struct FinishedFrame {
     std::optional<PictureOrder> picture;  // nothing: a frame of the view
-    std::shared_ptr<const Film> film;  // its locked functions alone: once let go of, the loop uses it again
-    uvec2 size{0, 0};                // of the film
+    std::shared_ptr<const Film> film;     // its locked functions alone: once let go of, the loop uses it again
+    uvec2 size{0, 0};                     // of the film
     ViewRequest view;
     uint32_t generation = 0;
-    uint32_t samples = 0;            // per pixel
-    bool final = false;              // the sample target is reached
-    bool path = false;               // part of a run along the camera path
-    float sceneExposure = 0.0f;      // EV
-    double inputSeconds = 0.0;       // from the input to the start of its first pass
+    uint32_t samples = 0;        // per pixel
+    bool final = false;          // the sample target is reached
+    bool path = false;           // part of a run along the camera path
+    float sceneExposure = 0.0f;  // EV
+    double inputSeconds = 0.0;   // from the input to the start of its first pass
     PassFigures figures;
 };
 
@@ -103,7 +103,10 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    struct Run { PathRun path; Clock::time_point begin; };
+    struct Run {
+        PathRun path;
+        Clock::time_point begin;
+    };
     struct Job {
         PictureOrder order;
         ViewRequest view;
@@ -160,11 +163,11 @@ private:
 
     // The loop's own.
     std::shared_ptr<ResidentScene> resident_;
-    std::optional<ViewRequest> wish_;   // newest_ as taken, with the path's camera while a run plays
-    std::optional<ViewRequest> view_;   // what the film shows
+    std::optional<ViewRequest> wish_;  // newest_ as taken, with the path's camera while a run plays
+    std::optional<ViewRequest> view_;  // what the film shows
     FilmPool films_;
     std::shared_ptr<Film> film_;
-    FrameRequest request_;              // of the film
+    FrameRequest request_;  // of the film
     uint32_t generation_ = 0;
     uint32_t samples_ = 0;
     Delivery delivered_;

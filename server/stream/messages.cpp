@@ -15,8 +15,11 @@ using nlohmann::json;
 json array(vec3 v) { return json::array({v.x, v.y, v.z}); }
 
 json cameraJson(const NamedCamera& camera) {
-    return {{"name", camera.name}, {"position", array(camera.position)}, {"forward", array(camera.forward)},
-            {"up", array(camera.up)}, {"fieldOfView", camera.fieldOfView}};
+    return {{"name", camera.name},
+            {"position", array(camera.position)},
+            {"forward", array(camera.forward)},
+            {"up", array(camera.up)},
+            {"fieldOfView", camera.fieldOfView}};
 }
 
 /// Names from files may hold bytes that are no UTF-8; a browser closes the connection over those.
@@ -58,12 +61,20 @@ std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes
     }
     json offered = json::array();
     for (const SceneRecipe& scene : scenes) offered.push_back({{"name", scene.name}, {"description", scene.description}});
-    return text({{"type", "hello"}, {"protocol", PROTOCOL_NAME}, {"server", programVersion()}, {"viewer", viewer},
-                 {"schema", schema}, {"scenes", offered}, {"maxUnacked", MAX_UNACKED}});
+    return text({{"type", "hello"},
+                 {"protocol", PROTOCOL_NAME},
+                 {"server", programVersion()},
+                 {"viewer", viewer},
+                 {"schema", schema},
+                 {"scenes", offered},
+                 {"maxUnacked", MAX_UNACKED}});
 }
 
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share) {
-    return text({{"type", "scene"}, {"name", name}, {"state", "loading"}, {"what", what},
+    return text({{"type", "scene"},
+                 {"name", name},
+                 {"state", "loading"},
+                 {"what", what},
                  {"share", std::clamp(finite(share), 0.0, 1.0)}});
 }
 
@@ -72,15 +83,28 @@ std::string sceneReadyMessage(const std::string& name, const Scene& scene, const
     for (const NamedCamera& camera : scene.cameras) cameras.push_back(cameraJson(camera));
     for (const CameraPath& path : scene.paths) paths.push_back(path.name);
     for (const EffectReason& row : reasons) {
-        effects.push_back({{"name", row.name}, {"calledFor", row.calledFor}, {"because", row.because},
-                           {"setting", row.setting}, {"help", row.help}, {"simulated", row.simulated}});
+        effects.push_back({{"name", row.name},
+                           {"calledFor", row.calledFor},
+                           {"because", row.because},
+                           {"setting", row.setting},
+                           {"help", row.help},
+                           {"simulated", row.simulated}});
     }
     json bounds = nullptr;
     if (!scene.bounds.empty()) bounds = {{"low", array(scene.bounds.low)}, {"high", array(scene.bounds.high)}};
-    return text({{"type", "scene"}, {"name", name}, {"state", "ready"}, {"camera", cameras.empty() ? json() : cameras[0]},
-                 {"cameras", cameras}, {"paths", paths}, {"bounds", bounds}, {"triangles", scene.triangleCount()},
-                 {"instances", scene.instances.size()}, {"lights", scene.lights.size()}, {"warnings", scene.warnings},
-                 {"effects", effects}, {"radius", scene.bounds.radius()}});
+    return text({{"type", "scene"},
+                 {"name", name},
+                 {"state", "ready"},
+                 {"camera", cameras.empty() ? json() : cameras[0]},
+                 {"cameras", cameras},
+                 {"paths", paths},
+                 {"bounds", bounds},
+                 {"triangles", scene.triangleCount()},
+                 {"instances", scene.instances.size()},
+                 {"lights", scene.lights.size()},
+                 {"warnings", scene.warnings},
+                 {"effects", effects},
+                 {"radius", scene.bounds.radius()}});
 }
 
 std::string sceneFailedMessage(const std::string& name, const std::string& why) {
@@ -94,18 +118,32 @@ std::string settingsMessage(const json& values, std::optional<uint32_t> inputId)
 }
 
 std::string statsMessage(const ViewerStats& s) {
-    json ms = {{"render", finite(s.ms.render)}, {"develop", finite(s.ms.develop)}, {"encode", finite(s.ms.encode)},
-               {"queue", finite(s.ms.queue)}, {"send", finite(s.ms.send)}};
-    json message = {{"type", "stats"}, {"device", s.device}, {"framesPerSecond", finite(s.framesPerSecond)},
-                 {"samples", s.samples}, {"targetSamples", s.targetSamples}, {"relativeError", finite(s.relativeError)},
-                 {"rays", toJson(s.rays)}, {"mraysPerSecond", finite(s.mraysPerSecond)}, {"ms", ms},
-                 {"overheadShare", finite(s.overheadShare)}, {"deviceShare", finite(s.deviceShare)}, {"tiles", s.tiles},
-                 {"viewers", s.viewers}, {"residentBytes", s.residentBytes}, {"nonfiniteSamples", s.nonfiniteSamples}};
+    json ms = {{"render", finite(s.ms.render)},
+               {"develop", finite(s.ms.develop)},
+               {"encode", finite(s.ms.encode)},
+               {"queue", finite(s.ms.queue)},
+               {"send", finite(s.ms.send)}};
+    json message = {{"type", "stats"},
+                    {"device", s.device},
+                    {"framesPerSecond", finite(s.framesPerSecond)},
+                    {"samples", s.samples},
+                    {"targetSamples", s.targetSamples},
+                    {"relativeError", finite(s.relativeError)},
+                    {"rays", toJson(s.rays)},
+                    {"mraysPerSecond", finite(s.mraysPerSecond)},
+                    {"ms", ms},
+                    {"overheadShare", finite(s.overheadShare)},
+                    {"deviceShare", finite(s.deviceShare)},
+                    {"tiles", s.tiles},
+                    {"viewers", s.viewers},
+                    {"residentBytes", s.residentBytes},
+                    {"nonfiniteSamples", s.nonfiniteSamples}};
     if (!s.schedule.devices.empty()) {
         message["parts"] = partsJson(s.schedule);
         message["scheduler"] = {{"endLossMs", 1e3 * finite(s.schedule.endLoss())},
                                 {"decisionMs", 1e3 * finite(s.schedule.decisionSeconds)},
-                                {"batches", s.schedule.batches}, {"reissued", s.schedule.reissued}};
+                                {"batches", s.schedule.batches},
+                                {"reissued", s.schedule.reissued}};
     }
     return text(message);
 }
@@ -121,17 +159,23 @@ std::string partitionMessage(uint32_t frameId, const Partition& p) {
         for (const WorkerReport::Span& span : worker.batches) batches.push_back({ms(span.begin), ms(span.end), span.tiles});
         workers.push_back({{"device", p.report.devices[worker.device].name}, {"worker", worker.stream}, {"batches", batches}});
     }
-    return text({{"type", "partition"}, {"frameId", frameId}, {"width", p.resolution.x}, {"height", p.resolution.y},
-                 {"cellWidth", p.cellSize.x}, {"cellHeight", p.cellSize.y}, {"devices", p.devices}, {"cells", cells},
+    return text({{"type", "partition"},
+                 {"frameId", frameId},
+                 {"width", p.resolution.x},
+                 {"height", p.resolution.y},
+                 {"cellWidth", p.cellSize.x},
+                 {"cellHeight", p.cellSize.y},
+                 {"devices", p.devices},
+                 {"cells", cells},
                  {"timeline", {{"ms", ms(p.report.end)}, {"workers", workers}}}});
 }
 
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result) {
     json message = {{"type", "path"}, {"playing", playing}};
     if (result) {
-        message["result"] = {{"frames", result->frames}, {"msMean", finite(result->msMean)},
-                             {"msMedian", finite(result->msMedian)}, {"msP95", finite(result->msP95)},
-                             {"fpsMean", finite(result->fpsMean)}, {"fpsMin", finite(result->fpsMin)}};
+        message["result"] = {
+            {"frames", result->frames},       {"msMean", finite(result->msMean)},   {"msMedian", finite(result->msMedian)},
+            {"msP95", finite(result->msP95)}, {"fpsMean", finite(result->fpsMean)}, {"fpsMin", finite(result->fpsMin)}};
     }
     return text(message);
 }
@@ -143,11 +187,20 @@ std::string effectCostsMeasuringMessage(double share) {
 std::string effectCostsReadyMessage(const EffectCosts& costs) {
     json rows = json::array();
     for (const EffectCost& row : costs.rows) {
-        rows.push_back({{"name", row.name}, {"onMs", finite(row.onMs)}, {"offMs", finite(row.offMs)},
-                        {"raysOn", row.raysOn}, {"raysOff", row.raysOff}});
+        rows.push_back({{"name", row.name},
+                        {"onMs", finite(row.onMs)},
+                        {"offMs", finite(row.offMs)},
+                        {"raysOn", row.raysOn},
+                        {"raysOff", row.raysOff}});
     }
-    return text({{"type", "effectCosts"}, {"state", "ready"}, {"scene", costs.scene}, {"device", costs.device},
-                 {"width", costs.size.x}, {"height", costs.size.y}, {"scale", finite(costs.scale)}, {"rows", rows}});
+    return text({{"type", "effectCosts"},
+                 {"state", "ready"},
+                 {"scene", costs.scene},
+                 {"device", costs.device},
+                 {"width", costs.size.x},
+                 {"height", costs.size.y},
+                 {"scale", finite(costs.scale)},
+                 {"rows", rows}});
 }
 
 std::string effectCostsFailedMessage(const std::string& why) {

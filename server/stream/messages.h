@@ -22,14 +22,16 @@ struct ViewerStats {
     double relativeError = 1.0;
     RayCounts rays;  // of the last pass
     double mraysPerSecond = 0.0;
-    struct Milliseconds { double render = 0, develop = 0, encode = 0, queue = 0, send = 0; } ms;
-    double overheadShare = 0.0;               // of the processor time: develop, encode, send against tracing; 0..1
-    double deviceShare = 0.0;                 // of the time that the device worked for anybody, 0..1
-    std::map<std::string, uint64_t> tiles;    // by device; at rest those of the last frames
+    struct Milliseconds {
+        double render = 0, develop = 0, encode = 0, queue = 0, send = 0;
+    } ms;
+    double overheadShare = 0.0;             // of the processor time: develop, encode, send against tracing; 0..1
+    double deviceShare = 0.0;               // of the time that the device worked for anybody, 0..1
+    std::map<std::string, uint64_t> tiles;  // by device; at rest those of the last frames
     size_t viewers = 0;
-    uint64_t residentBytes = 0;               // of the server
-    uint64_t nonfiniteSamples = 0;            // since the viewer connected
-    ScheduleReport schedule;                  // of the last pass of hybrid; else without devices
+    uint64_t residentBytes = 0;     // of the server
+    uint64_t nonfiniteSamples = 0;  // since the viewer connected
+    ScheduleReport schedule;        // of the last pass of hybrid; else without devices
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.

@@ -60,11 +60,14 @@ std::string Metrics::text(size_t viewers, size_t scenes, uint64_t bytes) const {
     single("heliograph_resident_memory_bytes", "gauge", "Memory of the process.", bytes, out);
     single("heliograph_frames_sent_total", "counter", "Frames handed to sockets.", framesSent, out);
     single("heliograph_frame_sent_bytes_total", "counter", "Bytes of those frames.", frameBytesSent, out);
-    single("heliograph_frames_replaced_total", "counter", "Encoded frames that a newer one replaced unsent.", framesReplaced, out);
+    single("heliograph_frames_replaced_total", "counter", "Encoded frames that a newer one replaced unsent.", framesReplaced,
+           out);
     single("heliograph_pictures_sent_total", "counter", "Pictures asked for and sent.", picturesSent, out);
     single("heliograph_messages_refused_total", "counter", "Messages of viewers answered with an error.", messagesRefused, out);
-    single("heliograph_connections_refused_total", "counter", "Connections refused: origin, token, limit.", connectionsRefused, out);
-    single("heliograph_viewers_stalled_total", "counter", "Viewers closed because they acknowledged nothing.", viewersStalled, out);
+    single("heliograph_connections_refused_total", "counter", "Connections refused: origin, token, limit.", connectionsRefused,
+           out);
+    single("heliograph_viewers_stalled_total", "counter", "Viewers closed because they acknowledged nothing.", viewersStalled,
+           out);
     single("heliograph_nonfinite_samples_total", "counter", "Samples left out as NaN or infinite.", nonfiniteSamples, out);
     head("heliograph_rays_total", "counter", "Rays traced for frames that were shown, by kind.", out);
     for (size_t i = 0; i < rays.size(); i++) {

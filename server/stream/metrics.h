@@ -16,7 +16,8 @@ namespace heliograph {
 class Histogram {
 public:
     /// Upper bounds, seconds; a last bucket holds the rest.
-    static constexpr std::array<double, 13> BOUNDS = {0.001, 0.002, 0.005, 0.01, 0.02, 0.033, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};
+    static constexpr std::array<double, 13> BOUNDS = {0.001, 0.002, 0.005, 0.01, 0.02, 0.033, 0.05,
+                                                      0.1,   0.2,   0.5,   1.0,  2.0,  5.0};
 
     void add(double seconds);
     /// Lines for `name` with `labels` ("stage=\"encode\"" or empty), without the type line.

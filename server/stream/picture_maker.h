@@ -17,7 +17,7 @@ struct EncodedFrame {
     PassFigures figures;
     std::optional<PictureOrder> order;  // of a picture
     uint32_t targetSamples = 0;
-    double coreSeconds = 0.0;           // processor time of developing and encoding
+    double coreSeconds = 0.0;  // processor time of developing and encoding
 };
 
 /// Keeps its buffers between pictures; one thread at a time.

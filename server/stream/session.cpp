@@ -66,10 +66,12 @@ void Session::receive(std::string_view text) {
             viewer_.close(CloseCode::unauthorized, "the first message has to be the token");
             return;
         }
-        std::visit([&](const auto& m) {
-            about = m.TYPE;
-            if constexpr (requires { m.inputId; }) inputId = m.inputId;
-        }, message);
+        std::visit(
+            [&](const auto& m) {
+                about = m.TYPE;
+                if constexpr (requires { m.inputId; }) inputId = m.inputId;
+            },
+            message);
         std::visit([&](const auto& m) { handle(m); }, message);
     } catch (const MessageError& e) {
         refuse(e, e.about(), e.inputId());
@@ -86,7 +88,8 @@ void Session::refuse(const InputError& error, const std::string& about, std::opt
 
 /// Throws InputError unless there is a view to speak of; with the lock held.
 void Session::checkVisible(const char* message) const {
-    if (!scene_ || request_.resolution.x == 0) throw InputError(message, "nothing to see yet", "after `resolution` and a scene");
+    if (!scene_ || request_.resolution.x == 0)
+        throw InputError(message, "nothing to see yet", "after `resolution` and a scene");
 }
 
 void Session::handle(const CameraMessage& message) {
@@ -127,7 +130,8 @@ void Session::handle(const SettingsMessage& message) {
 void Session::handle(const ResolutionMessage& message) {
     uint64_t pixels = static_cast<uint64_t>(message.size.x) * message.size.y;
     if (!host_.grantPixels(viewer_.number(), FilmPool::FILMS * pixels)) {
-        throw InputError("resolution", std::to_string(pixels) + " pixels", "fewer: all viewers together have used up the memory for films");
+        throw InputError("resolution", std::to_string(pixels) + " pixels",
+                         "fewer: all viewers together have used up the memory for films");
     }
     std::lock_guard lock(mutex_);
     request_.resolution = message.size;
@@ -197,7 +201,8 @@ void Session::focused(const FocusRequest& request, const DepthAnswer& answer) {
     std::lock_guard lock(mutex_);
     if (ended_) return;
     try {
-        if (!answer.known) throw InputError(FocusMessage::TYPE, "no device that holds the scene measures depth", "embree or hybrid as device");
+        if (!answer.known)
+            throw InputError(FocusMessage::TYPE, "no device that holds the scene measures depth", "embree or hybrid as device");
         if (!answer.depth) throw InputError(FocusMessage::TYPE, "nothing is there", "a place where something is seen");
         Settings settings = request_.settings;
         settings.set("focusDistance", *answer.depth);

@@ -105,16 +105,16 @@ private:
     bool ended_ = false;
     ViewRequest request_;
     std::shared_ptr<ResidentScene> scene_;
-    std::string sceneName_;               // of scene_
-    uint64_t sceneOrder_ = 0;             // the newest one
-    std::string orderedName_;             // its scene
+    std::string sceneName_;    // of scene_
+    uint64_t sceneOrder_ = 0;  // the newest one
+    std::string orderedName_;  // its scene
     std::shared_ptr<void> sceneTicket_;
     Clock::time_point progressAt_{};
     bool playing_ = false;
     std::string lastFailure_;
     Clock::time_point statsAt_{};
 
-    uint64_t costsOrder_ = 0;             // the newest asked for
+    uint64_t costsOrder_ = 0;  // the newest asked for
     bool costsAwaited_ = false;
     Clock::time_point costsAt_{};
 

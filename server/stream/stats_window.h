@@ -19,7 +19,7 @@ public:
 private:
     uint32_t frames_ = 0;
     double render_ = 0.0, develop_ = 0.0, encode_ = 0.0, queue_ = 0.0, send_ = 0.0;  // wall seconds, sums
-    double tracing_ = 0.0, service_ = 0.0;  // processor seconds, sums
+    double tracing_ = 0.0, service_ = 0.0;                                           // processor seconds, sums
     uint32_t passes_ = 0;
     uint32_t sent_ = 0;
     uint64_t rays_ = 0;

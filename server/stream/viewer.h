@@ -57,7 +57,10 @@ public:
     void finish() { encoder_.finish(); }
 
 private:
-    struct Flight { uint32_t frameId; Clock::time_point since; };
+    struct Flight {
+        uint32_t frameId;
+        Clock::time_point since;
+    };
 
     void encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const std::string& failure);
     void send(EncodedFrame&& frame);

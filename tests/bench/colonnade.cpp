@@ -14,8 +14,8 @@ void addGrid(MeshData& mesh, uint32_t columns, uint32_t rows, const std::functio
     uint32_t first = static_cast<uint32_t>(mesh.positions.size());
     for (uint32_t j = 0; j <= rows; j++)
         for (uint32_t i = 0; i <= columns; i++)
-            mesh.positions.push_back(point(static_cast<float>(i) / static_cast<float>(columns),
-                                           static_cast<float>(j) / static_cast<float>(rows)));
+            mesh.positions.push_back(
+                point(static_cast<float>(i) / static_cast<float>(columns), static_cast<float>(j) / static_cast<float>(rows)));
     for (uint32_t j = 0; j < rows; j++)
         for (uint32_t i = 0; i < columns; i++) {
             uint32_t a = first + j * (columns + 1) + i, b = a + columns + 1;
@@ -27,7 +27,8 @@ void addGrid(MeshData& mesh, uint32_t columns, uint32_t rows, const std::functio
 void addColumn(MeshData& mesh, vec3 foot, uint32_t around, uint32_t up) {
     addGrid(mesh, around, up, [&](float u, float v) {
         float flutes = 1.0f - 0.06f * std::abs(std::cos(10.0f * TURN * u));
-        float radius = 0.42f * flutes * (1.0f - 0.15f * v * v) + 0.12f * std::exp(-40.0f * v) + 0.1f * std::exp(-30.0f * (1.0f - v));
+        float radius =
+            0.42f * flutes * (1.0f - 0.15f * v * v) + 0.12f * std::exp(-40.0f * v) + 0.1f * std::exp(-30.0f * (1.0f - v));
         return foot + vec3(radius * std::cos(TURN * u), 5.0f * v, radius * std::sin(TURN * u));
     });
 }
@@ -35,7 +36,8 @@ void addColumn(MeshData& mesh, vec3 foot, uint32_t around, uint32_t up) {
 void addSphere(MeshData& mesh, vec3 center, float radius, uint32_t around, uint32_t up) {
     addGrid(mesh, around, up, [&](float u, float v) {
         float polar = 0.5f * TURN * std::min(std::max(v, 1e-3f), 1.0f - 1e-3f);
-        return center + radius * vec3(std::sin(polar) * std::cos(TURN * u), -std::cos(polar), std::sin(polar) * std::sin(TURN * u));
+        return center +
+               radius * vec3(std::sin(polar) * std::cos(TURN * u), -std::cos(polar), std::sin(polar) * std::sin(TURN * u));
     });
 }
 

@@ -60,8 +60,8 @@ Ray makeRay(vec3 origin, vec3 direction, float tMax) {
 
 /// The rays that hits of the primary rays lead to. Only rays that are needed are made.
 std::vector<RayClass> makeRays(const Scene& scene, RayBench& bench, uvec2 size) {
-    std::vector<RayClass> classes = {{"primary", false, {}}, {"shadow", true, {}}, {"ambient_occlusion", true, {}},
-                                     {"diffuse", false, {}}};
+    std::vector<RayClass> classes = {
+        {"primary", false, {}}, {"shadow", true, {}}, {"ambient_occlusion", true, {}}, {"diffuse", false, {}}};
     KernelType kernel;
     kernel.scene = sceneView(scene);
     FrameRequest request = frameRequest(scene, cameraFrom(scene.cameras.front()), Settings{}, size, 1);
@@ -118,7 +118,9 @@ double traceEmbree(const TraceTarget& scene, const RayClass& rays, bool coherent
             else traceClosest(scene, packet, n, {16, coherent});
             for (uint32_t i = 0; i < n; i++) {
                 if (rays.anyHit) answers[first + i] = {0, 0, blocked >> i & 1u, 0};
-                else answers[first + i] = {packet.hit.geomID[i], packet.hit.geomID[i] == NO_INDEX ? NO_INDEX : packet.hit.primID[i], 0, 0};
+                else
+                    answers[first + i] = {packet.hit.geomID[i],
+                                          packet.hit.geomID[i] == NO_INDEX ? NO_INDEX : packet.hit.primID[i], 0, 0};
             }
         }
     });
@@ -149,9 +151,9 @@ ordered_json benchRays(const Options& options) {
     Gpu gpu(context, physical, features);
     double begin = now();
     auto scene = makeColonnade(options.detail);
-    ordered_json json = {{"device", physical.name}, {"driver", physical.driver}, {"width", options.size.x},
-                         {"height", options.size.y}, {"triangles", scene->triangleCount()},
-                         {"generate_ms", 1e3 * (now() - begin)}};
+    ordered_json json = {
+        {"device", physical.name},  {"driver", physical.driver},           {"width", options.size.x},
+        {"height", options.size.y}, {"triangles", scene->triangleCount()}, {"generate_ms", 1e3 * (now() - begin)}};
     GpuScene(gpu, scene, 1, {});  // the first build also starts Embree's threads
     GpuScene resident(gpu, scene, 1, {});
     json["build_ms"] = 1e3 * resident.buildSeconds();
@@ -203,16 +205,20 @@ ordered_json frameTimes(Device& device, const FrameRequest& request, uint32_t re
         std::mutex mutex;
         rays = {};
         double begin = now();
-        device.render(request, tiles, [&](TileResult&& result) {
-            if (film) film->add(result);
-            std::lock_guard lock(mutex);
-            rays.add(result.rays);
-        }, {});
+        device.render(request, tiles,
+                      [&](TileResult&& result) {
+                          if (film) film->add(result);
+                          std::lock_guard lock(mutex);
+                          rays.add(result.rays);
+                      },
+                      {});
         ms.push_back(1e3 * (now() - begin));
     }
     std::vector<double> last(ms.end() - std::min<long>(repetitions, static_cast<long>(ms.size())), ms.end());
     double best = *std::min_element(last.begin(), last.end());
-    return {{"ms", median(last)}, {"best_ms", best}, {"rays", rays.total()},
+    return {{"ms", median(last)},
+            {"best_ms", best},
+            {"rays", rays.total()},
             {"mrays_per_s", static_cast<double>(rays.total()) / median(last) * 1e-3}};
 }
 
@@ -225,7 +231,10 @@ ordered_json benchFrames(const Options& options) {
     settings.tileWidth = settings.tileHeight = 3;  // 64 pixels
     FrameRequest request = frameRequest(*scene, cameraFrom(scene->cameras.front()), settings, options.size, 1);
     ordered_json json = {{"width", options.size.x}, {"height", options.size.y}, {"triangles", scene->triangleCount()}};
-    struct Size { const char* name; uint64_t samples; };
+    struct Size {
+        const char* name;
+        uint64_t samples;
+    };
     for (Size size : {Size{"65k", 65536}, {"262k", 262144}, {"1M", 1 << 20}, {"frame", 1 << 26}, {"automatic", 0}}) {
         auto device = makeVulkanDevice(options.device, vulkanOptions(options, size.samples));
         json["device"] = device->info().details;
@@ -259,9 +268,9 @@ ordered_json benchStart(const Options& options) {
     Film film;
     renderFrame(*device, request, 1, film);
     double shown = now();
-    return {{"device", device->info().details}, {"triangles", scene->triangleCount()}, {"open_ms", 1e3 * (opened - begin)},
-            {"load_ms", 1e3 * (loaded - opened)}, {"first_frame_ms", 1e3 * (shown - loaded)},
-            {"total_ms", 1e3 * (shown - begin)}};
+    return {{"device", device->info().details},         {"triangles", scene->triangleCount()},
+            {"open_ms", 1e3 * (opened - begin)},        {"load_ms", 1e3 * (loaded - opened)},
+            {"first_frame_ms", 1e3 * (shown - loaded)}, {"total_ms", 1e3 * (shown - begin)}};
 }
 
 // ---- parity ----
@@ -291,8 +300,10 @@ ordered_json compare(const std::vector<vec4>& a, const std::vector<vec4>& b) {
     }
     double pixels = static_cast<double>(a.size());
     double mse = squares / (3.0 * pixels);
-    return {{"identical_percent", 100.0 * static_cast<double>(identical) / pixels}, {"off_pixels", off},
-            {"off_percent", 100.0 * static_cast<double>(off) / pixels}, {"psnr_db", mse > 0.0 ? -10.0 * std::log10(mse) : 999.0}};
+    return {{"identical_percent", 100.0 * static_cast<double>(identical) / pixels},
+            {"off_pixels", off},
+            {"off_percent", 100.0 * static_cast<double>(off) / pixels},
+            {"psnr_db", mse > 0.0 ? -10.0 * std::log10(mse) : 999.0}};
 }
 
 ordered_json benchParity(const Options& options) {
@@ -344,8 +355,13 @@ ordered_json listDevices() {
     std::string why;
     ordered_json json = ordered_json::array();
     for (const PhysicalDevice& d : listVulkanDevices(why))
-        json.push_back({{"index", d.index}, {"name", d.name}, {"type", d.type}, {"driver", d.driver}, {"api", d.api},
-                        {"ray_tracing_pipeline", d.rayTracingPipeline}, {"refused", d.refused}});
+        json.push_back({{"index", d.index},
+                        {"name", d.name},
+                        {"type", d.type},
+                        {"driver", d.driver},
+                        {"api", d.api},
+                        {"ray_tracing_pipeline", d.rayTracingPipeline},
+                        {"refused", d.refused}});
     if (!why.empty()) json.push_back({{"refused", why}});
     return json;
 }
@@ -384,7 +400,9 @@ int run(const Options& options) {
     else if (options.command == "switch") json = benchSwitches(options);
     else if (options.command == "start") json = benchStart(options);
     else if (options.command == "devices") json = listDevices();
-    else throw std::runtime_error("command: '" + options.command + "'; allowed: rays frames hybrid effects reach switch parity start devices");
+    else
+        throw std::runtime_error("command: '" + options.command +
+                                 "'; allowed: rays frames hybrid effects reach switch parity start devices");
     std::cout << json.dump(2, ' ', false, ordered_json::error_handler_t::replace) << std::endl;
     return 0;
 }

@@ -62,9 +62,13 @@ ordered_json switchedOn(Device& device, const Scene& scene, const EffectReason& 
     uint32_t frames = 1;
     for (; !byGpu(last) && now() < begin + LONGEST_WAIT; frames++) last = shown(device, scene, on, size);
     const double settled = now() - begin;
-    return {{"effect", effect.name}, {"ms_before", before.milliseconds}, {"first_frame_ms", 1e3 * firstSeconds},
-            {"first_by", first.tiles.empty() ? "" : first.tiles.begin()->first}, {"gpu_after_ms", 1e3 * settled},
-            {"frames_until", frames}, {"gpu_serves", byGpu(last)}};
+    return {{"effect", effect.name},
+            {"ms_before", before.milliseconds},
+            {"first_frame_ms", 1e3 * firstSeconds},
+            {"first_by", first.tiles.empty() ? "" : first.tiles.begin()->first},
+            {"gpu_after_ms", 1e3 * settled},
+            {"frames_until", frames},
+            {"gpu_serves", byGpu(last)}};
 }
 
 bool wanted(const Options& options, const std::string& scene) { return options.scene.empty() || options.scene == scene; }
@@ -88,8 +92,11 @@ ordered_json beside(const Options& options, const char* first, const char* secon
         for (Side& side : sides) side.ms.push_back(shown(*side.device, *side.scene, {}, options.size).milliseconds);
         ratios.push_back(sides[0].ms.back() / sides[1].ms.back());
     }
-    return {{"scenes", {first, second}}, {"ms", {percentile(sides[0].ms, 0.5), percentile(sides[1].ms, 0.5)}}, {"ratio", percentile(ratios, 0.5)},
-            {"ratio_low", percentile(ratios, 0.25)}, {"ratio_high", percentile(ratios, 0.75)}};
+    return {{"scenes", {first, second}},
+            {"ms", {percentile(sides[0].ms, 0.5), percentile(sides[1].ms, 0.5)}},
+            {"ratio", percentile(ratios, 0.5)},
+            {"ratio_low", percentile(ratios, 0.25)},
+            {"ratio_high", percentile(ratios, 0.75)}};
 }
 
 }  // namespace
@@ -193,10 +200,15 @@ ordered_json benchReach(const Options& options) {
                 ms[1].push_back(milliseconds(knowing, rays[1]));
                 ratios.push_back(ms[1].back() / ms[0].back());
             }
-            const auto single = std::count_if(tiles.begin(), tiles.end(), [&](const Tile& tile) { return knowing.reach->endsAtOnce(tile); });
-            json[name].push_back({{"ambient_occlusion", occlusion}, {"ms_without", percentile(ms[0], 0.5)}, {"ms_with", percentile(ms[1], 0.5)},
-                                  {"ratio", percentile(ratios, 0.5)}, {"single_share", double(single) / double(tiles.size())},
-                                  {"rays", rays[0]}, {"same_rays", rays[0] == rays[1]}});
+            const auto single =
+                std::count_if(tiles.begin(), tiles.end(), [&](const Tile& tile) { return knowing.reach->endsAtOnce(tile); });
+            json[name].push_back({{"ambient_occlusion", occlusion},
+                                  {"ms_without", percentile(ms[0], 0.5)},
+                                  {"ms_with", percentile(ms[1], 0.5)},
+                                  {"ratio", percentile(ratios, 0.5)},
+                                  {"single_share", double(single) / double(tiles.size())},
+                                  {"rays", rays[0]},
+                                  {"same_rays", rays[0] == rays[1]}});
             // The same while the camera turns by half a degree a frame, to and fro.
             ReachOfView reaches;
             ratios.clear();
@@ -215,8 +227,10 @@ ordered_json benchReach(const Options& options) {
                 ratios.push_back(ms[1].back() / ms[0].back());
                 same = same && rays[0] == rays[1];
             }
-            json[name].back()["turning"] = {{"ms_without", percentile(ms[0], 0.5)}, {"ms_with", percentile(ms[1], 0.5)},
-                                            {"ratio", percentile(ratios, 0.5)}, {"same_rays", same}};
+            json[name].back()["turning"] = {{"ms_without", percentile(ms[0], 0.5)},
+                                            {"ms_with", percentile(ms[1], 0.5)},
+                                            {"ratio", percentile(ratios, 0.5)},
+                                            {"same_rays", same}};
         }
     }
     return json;

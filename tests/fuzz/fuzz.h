@@ -17,7 +17,8 @@ inline const std::filesystem::path& scratch() {
     struct Folder {
         std::filesystem::path path;
         Folder() {
-            const std::filesystem::path base = std::filesystem::exists("/dev/shm") ? "/dev/shm" : std::filesystem::temp_directory_path();
+            const std::filesystem::path base =
+                std::filesystem::exists("/dev/shm") ? "/dev/shm" : std::filesystem::temp_directory_path();
             path = base / ("heliograph-fuzz-" + std::to_string(getpid()));
             std::filesystem::create_directories(path);
         }
@@ -33,7 +34,8 @@ inline const std::filesystem::path& scratch() {
 /// The bytes as a file of this name in scratch().
 inline std::filesystem::path asFile(std::span<const uint8_t> bytes, const std::string& name) {
     const std::filesystem::path path = scratch() / name;
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     return path;
 }
 
@@ -42,8 +44,7 @@ template <class Body>
 int refusing(Body body) {
     try {
         body();
-    } catch (const InputError&) {
-    }
+    } catch (const InputError&) {}
     return 0;
 }
 

@@ -14,6 +14,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         writeFrameHeader(header, bytes);
         std::vector<uint8_t> message(bytes.begin(), bytes.end());
         message.resize(FRAME_HEADER_BYTES + std::min<size_t>(header.payloadBytes, 65536));
-        if (header.payloadBytes <= 65536 && header.relativeError == header.relativeError && !(readFrameHeader(message) == header)) __builtin_trap();
+        if (header.payloadBytes <= 65536 && header.relativeError == header.relativeError &&
+            !(readFrameHeader(message) == header))
+            __builtin_trap();
     });
 }

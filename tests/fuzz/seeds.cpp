@@ -72,11 +72,14 @@ void images() {
 
 void scenes() {
     const std::string triangle = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";  // (0,0,0) (1,0,0) (0,1,0)
-    const std::string rest = R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+    const std::string rest =
+        R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
 "bufferViews":[{"buffer":0,"byteLength":36}],"materials":[{"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0.2,1],"roughnessFactor":0.3}}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],
 "nodes":[{"mesh":0,"scale":[1,2,1]},{"camera":0,"translation":[0,0,4]}],"scenes":[{"nodes":[0,1]}],"scene":0})";
-    put("gltf", "triangle", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)" + triangle + R"("}],)" + rest);
+    put("gltf", "triangle",
+        R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)" + triangle +
+            R"("}],)" + rest);
     std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36}],)" + rest;
     json.resize((json.size() + 3) / 4 * 4, ' ');
     const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -92,7 +95,10 @@ void scenes() {
     glb.append(reinterpret_cast<const char*>(corners), 36);
     put("glb", "triangle", glb);
     const std::string mtl = "newmtl red\nKd 1 0 0\nNs 20\nd 0.5\nmap_Kd picture.png\n";
-    put("obj", "quad", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 -3\n" + std::string(1, '\0') + mtl);
+    put("obj", "quad",
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 "
+        "-3\n" +
+            std::string(1, '\0') + mtl);
 }
 
 }  // namespace

@@ -63,8 +63,8 @@ TEST(Ambient, AWhiteMetalInAFurnaceNeverGains) {
 TEST(AmbientOcclusion, AtAnEdgeHalfOfTheSkyIsVisible) {
     SceneBuilder builder = darkness(vec3(1.0f));
     const uint32_t white = builder.addMaterial(paint(vec3(1.0f)), "white");
-    place(builder, panel(vec3(-100, 0, 100), vec3(200, 0, 0), vec3(0, 0, -100), white));   // floor, z > 0
-    place(builder, panel(vec3(-100, 0, 0), vec3(200, 0, 0), vec3(0, 100, 0), white));      // wall at z = 0
+    place(builder, panel(vec3(-100, 0, 100), vec3(200, 0, 0), vec3(0, 0, -100), white));  // floor, z > 0
+    place(builder, panel(vec3(-100, 0, 0), vec3(200, 0, 0), vec3(0, 100, 0), white));     // wall at z = 0
     builder.setAoRadius(1.0f);
     const auto scene = builder.finish();
     for (float d : {0.5f, 0.1f, 0.01f}) {
@@ -99,7 +99,8 @@ TEST(AmbientOcclusion, RadiusLimitsWhatDarkens) {
     const auto scene = builder.finish();
     const Camera camera = lookAt(vec3(0, 1, 0), vec3(0.0f), 2.0f);
     EXPECT_NEAR(meanRed(render(scene, camera, occlusion(32, 1.9f), 1, uvec2(33, 33))), 1.0, 1e-6) << "out of reach";
-    EXPECT_NEAR(meanRed(render(scene, camera, occlusion(32, 1000.0f), 1, uvec2(33, 33))), 0.0, 0.01) << "all but the far horizon";
+    EXPECT_NEAR(meanRed(render(scene, camera, occlusion(32, 1000.0f), 1, uvec2(33, 33))), 0.0, 0.01)
+        << "all but the far horizon";
     // Reach R > h: hidden are directions with h / cos < R, a share 1 - (h / R)^2.
     EXPECT_NEAR(meanRed(render(scene, camera, occlusion(64, 4.0f), 4, uvec2(33, 33))), 0.25, 0.01);
 }
@@ -151,7 +152,8 @@ TEST(AmbientOcclusion, PixelsScatterLessThanIndependentRaysWould) {
     place(builder, panel(vec3(-100, 0, 100), vec3(200, 0, 0), vec3(0, 0, -100), white));
     place(builder, panel(vec3(-100, 0, 0), vec3(200, 0, 0), vec3(0, 100, 0), white));
     builder.setAoRadius(1.0f);
-    const Picture picture = render(builder.finish(), lookAt(vec3(0, 0.2f, 0.3f), vec3(0, 0, 0.1f), 0.02f), occlusion(64, 1000.0f), 1, uvec2(33, 33));
+    const Picture picture = render(builder.finish(), lookAt(vec3(0, 0.2f, 0.3f), vec3(0, 0, 0.1f), 0.02f),
+                                   occlusion(64, 1000.0f), 1, uvec2(33, 33));
     double variance = 0.0;
     for (vec4 p : picture.pixels) variance += (p.x - 0.5) * (p.x - 0.5) / static_cast<double>(picture.pixels.size());
     EXPECT_LT(std::sqrt(variance), 0.5 * 0.5 / 8.0);
@@ -170,8 +172,11 @@ TEST(Sky, DirectionsShowTheirTexels) {
     place(builder, panel(vec3(0, -900, 0), vec3(1, 0, 0), vec3(0, 0, 1), 0));  // a scene holds something
     const auto scene = builder.finish();
     // u = 0.5 looks along -Z and grows towards +X, v = 0 is up.
-    const struct { vec3 direction; double x, y; } views[] = {{{0, 0, -1}, 16, 8}, {{1, 0, 0}, 24, 8}, {{-1, 0, 0}, 8, 8},
-                                                             {{1, 0, -1}, 20, 8}, {{0, 1, -1}, 16, 4}, {{0, -1, -1}, 16, 12}};
+    const struct {
+        vec3 direction;
+        double x, y;
+    } views[] = {{{0, 0, -1}, 16, 8}, {{1, 0, 0}, 24, 8},  {{-1, 0, 0}, 8, 8},
+                 {{1, 0, -1}, 20, 8}, {{0, 1, -1}, 16, 4}, {{0, -1, -1}, 16, 12}};
     for (const auto& view : views) {
         const vec3 c = render(scene, lookAt(vec3(0.0f), view.direction, 1.0f), {}, 1, uvec2(9, 9)).centre();
         EXPECT_NEAR(c.x, view.x - 0.5, 0.15) << view.direction.x << ' ' << view.direction.y;  // between two texel centres

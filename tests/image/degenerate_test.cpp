@@ -56,10 +56,10 @@ TEST(Degenerate, SliversAndTrianglesWithoutAreaGiveFinitePictures) {
     };
     for (int i = 0; i < 2000; i++) {
         const vec3 a = random.inCube(1.0f), d = random.direction();
-        add(a, a + d, a + d * 0.5f);                                    // collinear
-        add(a, a, a + d);                                               // two corners in one place
+        add(a, a + d, a + d * 0.5f);  // collinear
+        add(a, a, a + d);             // two corners in one place
         add(a, a, a);
-        add(a, a + d, a + d + random.direction() * 1e-7f);              // aspect 1e7
+        add(a, a + d, a + d + random.direction() * 1e-7f);  // aspect 1e7
     }
     for (uint32_t i = 0; i < 100; i++) mesh.indices.push_back({i, i, i + 1});
     expectFinite(threeOf(mesh), "slivers");
@@ -126,7 +126,8 @@ TEST(Degenerate, BadCoordinatesAndTangentsGiveFinitePictures) {
 }
 
 TEST(Degenerate, FlattenedAndTinyInstancesGiveFinitePictures) {
-    for (vec3 scale : {vec3(1, 0, 1), vec3(1, 1, 0), vec3(0, 0, 0), vec3(1, 0, 0), vec3(1e-3f, 1, 1e3f), vec3(1e-20f, 1e-20f, 1e-20f)}) {
+    for (vec3 scale :
+         {vec3(1, 0, 1), vec3(1, 1, 0), vec3(0, 0, 0), vec3(1, 0, 0), vec3(1e-3f, 1, 1e3f), vec3(1e-20f, 1e-20f, 1e-20f)}) {
         for (bool placed : {false, true}) {
             SceneBuilder builder = darkness(vec3(0.5f));
             Material half = mirror(0.5f);
@@ -144,8 +145,8 @@ TEST(Degenerate, LightsAndCamerasOnTheSurfaceGiveFinitePictures) {
     SceneBuilder builder = darkness(vec3(0.5f));
     place(builder, ground(3.0f, builder.addMaterial(paint(vec3(1.0f)), "white")));
     place(builder, icosphere(2, builder.addMaterial(glass(1.5f), "glass")));
-    builder.addLight(pointLight(vec3(0.5f, 0.0f, 1.5f), vec3(1.0f)));      // exactly on the floor
-    builder.addLight(pointLight(vec3(-0.5f, 1e-6f, 1.5f), vec3(1.0f)));    // just above it
+    builder.addLight(pointLight(vec3(0.5f, 0.0f, 1.5f), vec3(1.0f)));    // exactly on the floor
+    builder.addLight(pointLight(vec3(-0.5f, 1e-6f, 1.5f), vec3(1.0f)));  // just above it
     const auto scene = builder.finish();
     expectFinite(scene, "lights");
     for (vec3 eye : {vec3(0, 0, 2), vec3(0, 0, 0), vec3(0, 1, 0)}) {

@@ -16,7 +16,8 @@ using glm::dvec3;
 double meets(const ViewRay& ray, dvec3 a, dvec3 b, dvec3 c) {
     const dvec3 ab = b - a, ac = c - a, p = glm::cross(ray.direction, ac), s = ray.origin - a, q = glm::cross(s, ab);
     const double determinant = glm::dot(ab, p);
-    const double u = glm::dot(s, p) / determinant, v = glm::dot(ray.direction, q) / determinant, t = glm::dot(ac, q) / determinant;
+    const double u = glm::dot(s, p) / determinant, v = glm::dot(ray.direction, q) / determinant,
+                 t = glm::dot(ac, q) / determinant;
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : std::numeric_limits<double>::infinity();
 }
 

@@ -13,9 +13,15 @@
 
 namespace heliograph {
 
-namespace lanes_v2 { extern const TileProgramTable PROGRAM_TABLE; }
-namespace lanes_v3 { extern const TileProgramTable PROGRAM_TABLE; }
-namespace lanes_v4 { extern const TileProgramTable PROGRAM_TABLE; }
+namespace lanes_v2 {
+extern const TileProgramTable PROGRAM_TABLE;
+}
+namespace lanes_v3 {
+extern const TileProgramTable PROGRAM_TABLE;
+}
+namespace lanes_v4 {
+extern const TileProgramTable PROGRAM_TABLE;
+}
 
 namespace {
 
@@ -30,7 +36,8 @@ Settings busy() {
 }
 
 bool identical(const Picture& a, const Picture& b) {
-    return a.pixels.size() == b.pixels.size() && std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(vec4)) == 0;
+    return a.pixels.size() == b.pixels.size() &&
+           std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(vec4)) == 0;
 }
 
 std::shared_ptr<const Scene> zoo() {
@@ -89,9 +96,7 @@ TEST(Determinism, PacketsChangeNothingButTies) {
     }
 }
 
-TEST(Determinism, TheSameAgain) {
-    EXPECT_TRUE(identical(zooPicture(busy(), 2), zooPicture(busy(), 2)));
-}
+TEST(Determinism, TheSameAgain) { EXPECT_TRUE(identical(zooPicture(busy(), 2), zooPicture(busy(), 2))); }
 
 // Pass by pass, as a viewer's frames grow, or all samples of a tile at once.
 TEST(Determinism, PassesGiveWhatOnePassOfAllSamplesGives) {
@@ -107,8 +112,7 @@ TEST(Determinism, PassesGiveWhatOnePassOfAllSamplesGives) {
     film.develop(pixels);
     // The device sums a tile's samples in float, the film sums passes in double: a few ulps apart.
     for (size_t i = 0; i < pixels.size(); i++)
-        for (int c = 0; c < 3; c++)
-            ASSERT_NEAR(pixels[i][c], passes.pixels[i][c], 1e-6 * std::max(1.0f, pixels[i][c])) << i;
+        for (int c = 0; c < 3; c++) ASSERT_NEAR(pixels[i][c], passes.pixels[i][c], 1e-6 * std::max(1.0f, pixels[i][c])) << i;
 }
 
 TEST(Determinism, APartOfThePictureIsThatPart) {

@@ -74,7 +74,8 @@ TEST(Fog, DimsTheLightOnItsWayToSurfaces) {
 
 /// Light that fog of `sigma` and albedo 0.8 scatters towards the origin along -z up to `far`: `irradiance` and `toLight`, the way
 /// through the fog to the light, at distance t.
-double scattered(double sigma, double far, const std::function<double(double)>& irradiance, const std::function<double(double)>& toLight) {
+double scattered(double sigma, double far, const std::function<double(double)>& irradiance,
+                 const std::function<double(double)>& toLight) {
     const int steps = 20000;
     double sum = 0.0;
     for (int i = 0; i < steps; i++) {
@@ -89,7 +90,9 @@ std::shared_ptr<const Scene> blackWallAnd(const Light& light, bool roof = false)
     builder.setEnvironmentColor(vec3(0.0f));
     addWall(builder, -30.0f, paint(vec3(0.0f)));
     // From z = -5 on away from the camera, half-way to a light at (0, 2, -5).
-    if (roof) place(builder, panel(vec3(-50, 1, -5), vec3(100, 0, 0), vec3(0, 0, -24), builder.addMaterial(paint(vec3(0.0f)), "roof")));
+    if (roof)
+        place(builder,
+              panel(vec3(-50, 1, -5), vec3(100, 0, 0), vec3(0, 0, -24), builder.addMaterial(paint(vec3(0.0f)), "roof")));
     builder.addLight(light);
     return builder.finish();
 }
@@ -107,7 +110,8 @@ TEST(Fog, ScattersAPointLightOnce) {
         // The roof's shadow begins below its edge: light falls on the first 5 m alone.
         const auto covered = blackWallAnd(pointLight(vec3(at), vec3(40.0f)), true);
         const double part = scattered(sigma, 5.0, irradiance, distance);
-        EXPECT_NEAR(render(covered, AHEAD, fogOf(*covered, sigma, 0.8f, 16), 64, uvec2(3, 3)).centre().x, part, 0.02 * part) << sigma;
+        EXPECT_NEAR(render(covered, AHEAD, fogOf(*covered, sigma, 0.8f, 16), 64, uvec2(3, 3)).centre().x, part, 0.02 * part)
+            << sigma;
         Settings unshadowed = fogOf(*covered, sigma, 0.8f, 16);
         unshadowed.shadows = false;
         EXPECT_NEAR(render(covered, AHEAD, unshadowed, 64, uvec2(3, 3)).centre().x, all, 0.01 * all);
@@ -120,8 +124,10 @@ TEST(Fog, ScattersTheSunOnce) {
     const double radius = scene->bounds.radius();
     const auto up = [&](double t) { return std::sqrt(radius * radius - (t + centre.z) * (t + centre.z)) + centre.y; };
     for (double sigma : {0.005, 0.05}) {
-        const double expected = scattered(sigma, 30.0, [](double) { return 5.0; }, up);
-        EXPECT_NEAR(render(scene, AHEAD, fogOf(*scene, sigma, 0.8f, 16), 64, uvec2(3, 3)).centre().x, expected, 0.01 * expected) << sigma;
+        const double expected = scattered(
+            sigma, 30.0, [](double) { return 5.0; }, up);
+        EXPECT_NEAR(render(scene, AHEAD, fogOf(*scene, sigma, 0.8f, 16), 64, uvec2(3, 3)).centre().x, expected, 0.01 * expected)
+            << sigma;
     }
 }
 
@@ -137,10 +143,14 @@ TEST(Fog, RaysAreCountedPerLightSampleAndWay) {
     const auto scene = blackWallAnd(pointLight(vec3(0, 2, -5), vec3(40.0f)));
     EXPECT_EQ(render(scene, AHEAD, fogOf(*scene, 0.1, 0.8f, 3), 2, uvec2(5, 5)).stats.rays[RayKind::shadow], 2u * 3u * 25u)
         << "a black wall needs none of its own";
-    EXPECT_EQ(render(scene, lookAt(vec3(0.0f), vec3(0, 0, 1), 1.0f), fogOf(*scene, 0.1, 0.8f, 3), 1, uvec2(5, 5)).stats.rays[RayKind::shadow],
-              3u * 25u) << "what looks past everything sees the fog, too";
-    EXPECT_EQ(render(scene, lookAt(vec3(0, 0, 600), vec3(0, 0, 700), 1.0f), fogOf(*scene, 0.1, 0.8f, 3), 1, uvec2(5, 5)).stats.rays[RayKind::shadow],
-              0u) << "out of the fog";
+    EXPECT_EQ(render(scene, lookAt(vec3(0.0f), vec3(0, 0, 1), 1.0f), fogOf(*scene, 0.1, 0.8f, 3), 1, uvec2(5, 5))
+                  .stats.rays[RayKind::shadow],
+              3u * 25u)
+        << "what looks past everything sees the fog, too";
+    EXPECT_EQ(render(scene, lookAt(vec3(0, 0, 600), vec3(0, 0, 700), 1.0f), fogOf(*scene, 0.1, 0.8f, 3), 1, uvec2(5, 5))
+                  .stats.rays[RayKind::shadow],
+              0u)
+        << "out of the fog";
     EXPECT_EQ(render(scene, AHEAD, {}, 1, uvec2(5, 5)).stats.rays[RayKind::shadow], 0u);
     Settings clear = fogOf(*scene, 0.0, 0.8f, 3);
     EXPECT_EQ(render(scene, AHEAD, clear, 1, uvec2(5, 5)).stats.rays[RayKind::shadow], 0u);

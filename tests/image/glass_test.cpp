@@ -30,7 +30,9 @@ TEST(Glass, SlabInAFurnaceIsInvisibleAtAnyDepth) {
     const auto scene = builder.finish();
     for (uint32_t refractions = 0; refractions <= 8; refractions++)
         for (uint32_t reflections : {0u, 2u})
-            EXPECT_LT(worstDifference(render(scene, lookAt(vec3(0.5f, 1, 4), vec3(0.0f)), depths(reflections, refractions)), vec3(1.0f)), 1e-3)
+            EXPECT_LT(worstDifference(render(scene, lookAt(vec3(0.5f, 1, 4), vec3(0.0f)), depths(reflections, refractions)),
+                                      vec3(1.0f)),
+                      1e-3)
                 << refractions << " refractions, " << reflections << " reflections";
 }
 
@@ -38,7 +40,8 @@ TEST(Glass, SphereInAFurnaceIsInvisible) {
     for (float ior : {1.0f, 1.33f, 1.5f, 2.4f}) {
         SceneBuilder builder = darkness(vec3(1.0f));
         place(builder, icosphere(3, builder.addMaterial(glass(ior), "glass")));
-        EXPECT_LT(worstDifference(render(builder.finish(), lookAt(vec3(0, 0, 4), vec3(0.0f)), depths(4, 8)), vec3(1.0f)), 1e-3) << ior;
+        EXPECT_LT(worstDifference(render(builder.finish(), lookAt(vec3(0, 0, 4), vec3(0.0f)), depths(4, 8)), vec3(1.0f)), 1e-3)
+            << ior;
     }
 }
 
@@ -70,7 +73,8 @@ Picture wallBehind(float ior, bool sphere, bool lit) {
     SceneBuilder builder = darkness(vec3(0.4f, 0.5f, 0.6f));
     for (int i = 0; i < 20; i++) {
         const vec3 colour(0.1f + 0.04f * float(i), i % 2 ? 0.8f : 0.1f, i % 3 ? 0.2f : 0.9f);
-        place(builder, panel(vec3(-5.13f + 0.5f * float(i), -5, -3), vec3(0.5f, 0, 0), vec3(0, 10, 0), builder.addMaterial(paint(colour), "stripe")));
+        place(builder, panel(vec3(-5.13f + 0.5f * float(i), -5, -3), vec3(0.5f, 0, 0), vec3(0, 10, 0),
+                             builder.addMaterial(paint(colour), "stripe")));
     }
     if (sphere) place(builder, icosphere(3, builder.addMaterial(glass(ior), "glass")));
     if (lit) builder.addLight(pointLight(vec3(2, 3, 3), vec3(30.0f)));
@@ -91,7 +95,8 @@ TEST(Glass, AnIndexNearOneIsNearlyInvisible) {
     for (float ior : {1.0000001f, 0.9999999f}) {
         const Picture with = wallBehind(ior, true, false), without = wallBehind(ior, false, false);
         int different = 0;
-        for (size_t i = 0; i < with.pixels.size(); i++) different += glm::length(vec3(with.pixels[i]) - vec3(without.pixels[i])) > 1e-2f;
+        for (size_t i = 0; i < with.pixels.size(); i++)
+            different += glm::length(vec3(with.pixels[i]) - vec3(without.pixels[i])) > 1e-2f;
         EXPECT_LT(different, 0.01 * with.pixels.size()) << ior;  // facets seen edge-on at the rim
         EXPECT_EQ(with.stats.nonfiniteSamples, 0u);
     }

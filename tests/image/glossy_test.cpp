@@ -51,7 +51,8 @@ TEST(Glossy, ReflectsAsMuchOfAnEvenSkyAsTheLobeSays) {
         for (float degrees : {20.0f, 60.0f, 80.0f}) {
             const float angle = glm::radians(degrees);
             const Camera camera = lookAt(5.0f * vec3(0.0f, std::cos(angle), std::sin(angle)), vec3(0.0f), 0.1f);
-            const double expected = reflected(dvec3(0.0, std::cos(angle), std::sin(angle)), roughness * roughness, [](dvec3) { return 1.0; });
+            const double expected =
+                reflected(dvec3(0.0, std::cos(angle), std::sin(angle)), roughness * roughness, [](dvec3) { return 1.0; });
             double mean = 0.0;
             for (const vec4& p : render(scene, camera, glossySettings(), 512, uvec2(5, 5)).pixels) mean += p.x / 25.0;
             EXPECT_NEAR(mean, expected, 2e-3) << roughness << ' ' << degrees;
@@ -71,11 +72,13 @@ TEST(Glossy, BlursAnEdgeByTheLobe) {
         for (float degrees : {35.0f, 45.0f, 55.0f}) {
             const float angle = glm::radians(degrees);
             const dvec3 wo(0.0, std::sin(angle), std::cos(angle));
-            const double expected = share * reflected(wo, roughness * roughness, [](dvec3 wi) {
-                const double t = wi.z < 0.0 ? -1000.0 / wi.z : 0.0;
-                return wi.z < 0.0 && wi.y * t < 1000.5 && wi.y * t > 0.5 && std::abs(wi.x * t) < 5000.0 ? 1.0 : 0.0;
-            });
-            const Picture picture = render(scene, lookAt(vec3(5.0 * wo), vec3(0.0f), 0.1f), glossySettings(), 1024, uvec2(3, 3));
+            const double expected =
+                share * reflected(wo, roughness * roughness, [](dvec3 wi) {
+                    const double t = wi.z < 0.0 ? -1000.0 / wi.z : 0.0;
+                    return wi.z < 0.0 && wi.y * t < 1000.5 && wi.y * t > 0.5 && std::abs(wi.x * t) < 5000.0 ? 1.0 : 0.0;
+                });
+            const Picture picture =
+                render(scene, lookAt(vec3(5.0 * wo), vec3(0.0f), 0.1f), glossySettings(), 1024, uvec2(3, 3));
             EXPECT_NEAR(picture.centre().x, expected, 0.012) << roughness << ' ' << degrees;
         }
     }

@@ -30,14 +30,16 @@ TEST(IndirectLight, AGlowingRoomAddsOneBounce) {
     const Picture picture = render(scene, lookAt(vec3(0.3f, 0.2f, 0.1f), vec3(1, 0.3f, -1), 70.0f), indirect(), 2);
     for (uint32_t y = 0; y < 97; y += 4)
         for (uint32_t x = 0; x < 97; x += 4) ASSERT_NEAR(picture.at(x, y).x, 0.5 * (1.0 + 0.6), 1e-5) << x << ' ' << y;
-    EXPECT_EQ(picture.stats.rays[RayKind::reflection], 2u * 97u * 97u) << "one ray a hit and sample, and none from where it ends";
+    EXPECT_EQ(picture.stats.rays[RayKind::reflection], 2u * 97u * 97u)
+        << "one ray a hit and sample, and none from where it ends";
     EXPECT_EQ(render(scene, lookAt(vec3(0.0f), vec3(1, 0, 0)), indirect(false)).stats.rays[RayKind::reflection], 0u);
 }
 
 // A glowing wall of height 1 and great length at distance d lights the floor by its form factor (1 - cos a) / 2.
 TEST(IndirectLight, AGlowingWallLightsTheFloorByItsFormFactor) {
     SceneBuilder builder = darkness();
-    place(builder, panel(vec3(-200, 0, 200), vec3(400, 0, 0), vec3(0, 0, -200), builder.addMaterial(paint(vec3(0.5f)), "floor")));
+    place(builder,
+          panel(vec3(-200, 0, 200), vec3(400, 0, 0), vec3(0, 0, -200), builder.addMaterial(paint(vec3(0.5f)), "floor")));
     place(builder, panel(vec3(-200, 0, 0), vec3(400, 0, 0), vec3(0, 1, 0), builder.addMaterial(glow(vec3(8.0f)), "wall")));
     const auto scene = builder.finish();
     for (float d : {0.3f, 1.0f, 3.0f}) {
@@ -51,7 +53,8 @@ TEST(IndirectLight, AGlowingWallLightsTheFloorByItsFormFactor) {
 TEST(IndirectLight, BringsTheColourOfLitSurfaces) {
     SceneBuilder builder = darkness();
     place(builder, ground(50.0f, builder.addMaterial(paint(vec3(1.0f)), "floor")));
-    place(builder, panel(vec3(-50, 50, -50), vec3(100, 0, 0), vec3(0, 0, 100), builder.addMaterial(paint(vec3(0.8f, 0.1f, 0.0f)), "red")));
+    place(builder, panel(vec3(-50, 50, -50), vec3(100, 0, 0), vec3(0, 0, 100),
+                         builder.addMaterial(paint(vec3(0.8f, 0.1f, 0.0f)), "red")));
     builder.addLight(sun(vec3(0, 1, 0), vec3(3.0f)));  // shines up: on the red ceiling through the floor, which is in its way
     const auto scene = builder.finish();
     EXPECT_EQ(render(scene, lookAt(vec3(0, 5, 0), vec3(0.0f), 1.0f), indirect(), 16, uvec2(5, 5)).centre().x, 0.0f);

@@ -15,7 +15,8 @@ MeshData facets(SceneBuilder& builder) {
     const MeshData smooth = icosphere(2);
     MeshData mesh;
     for (uvec3 t : smooth.indices) {
-        const uint32_t material = builder.addMaterial(glow(vec3(random.real(0, 1), random.real(0, 1), random.real(0, 1))), "facet");
+        const uint32_t material =
+            builder.addMaterial(glow(vec3(random.real(0, 1), random.real(0, 1), random.real(0, 1))), "facet");
         const auto first = static_cast<uint32_t>(mesh.positions.size());
         for (int k = 0; k < 3; k++) mesh.positions.push_back(smooth.positions[t[k]]);
         mesh.indices.push_back({first, first + 1, first + 2});
@@ -29,7 +30,8 @@ std::vector<mat4> placements() {
     mat4 shear(1.0f);
     shear[1][0] = 0.8f;
     return {glm::translate(one, vec3(0.3f, -0.2f, 0.1f)), glm::rotate(one, 1.1f, glm::normalize(vec3(1, 2, 3))),
-            glm::scale(one, vec3(1.3f, 0.6f, 0.9f)), glm::scale(one, vec3(-1, 1, 1)), glm::scale(shear, vec3(0.7f, -0.9f, -1.0f))};
+            glm::scale(one, vec3(1.3f, 0.6f, 0.9f)), glm::scale(one, vec3(-1, 1, 1)),
+            glm::scale(shear, vec3(0.7f, -0.9f, -1.0f))};
 }
 
 /// The body under `toWorld`, as an instance of a mesh used twice or baked by itself.

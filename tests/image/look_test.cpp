@@ -132,17 +132,22 @@ uint32_t normalWord(dvec3 n) {
 }
 
 TEST(Look, NormalMapsTiltTheSurface) {
-    const vec3 suns[] = {{0, 0, 1}, glm::normalize(vec3(1, 0, 1)), glm::normalize(vec3(0, 1, 1)), glm::normalize(vec3(-1, 0.5f, 2))};
-    const dvec3 tilts[] = {{0, 0, 1}, glm::normalize(dvec3(0.5, 0, 1)), glm::normalize(dvec3(0, 0.5, 1)), glm::normalize(dvec3(-0.3, 0.6, 1))};
+    const vec3 suns[] = {
+        {0, 0, 1}, glm::normalize(vec3(1, 0, 1)), glm::normalize(vec3(0, 1, 1)), glm::normalize(vec3(-1, 0.5f, 2))};
+    const dvec3 tilts[] = {
+        {0, 0, 1}, glm::normalize(dvec3(0.5, 0, 1)), glm::normalize(dvec3(0, 0.5, 1)), glm::normalize(dvec3(-0.3, 0.6, 1))};
     for (dvec3 tilt : tilts) {
         const ImageData image = imageOf(1, 1, false, {normalWord(tilt)});
         for (vec3 s : suns) {
             // glTF: red along +u, green up the image, which is +y on the poster.
-            EXPECT_NEAR(litShare(image, false, 1.0f, s), std::max(0.0, glm::dot(tilt, dvec3(s))), 0.01) << tilt.x << ' ' << tilt.y;
+            EXPECT_NEAR(litShare(image, false, 1.0f, s), std::max(0.0, glm::dot(tilt, dvec3(s))), 0.01)
+                << tilt.x << ' ' << tilt.y;
             EXPECT_NEAR(litShare(image, false, 1.0f, s, true), std::max(0.0, glm::dot(tilt, dvec3(s))), 0.01) << "placed";
             const dvec3 turned(-tilt.x, tilt.y, tilt.z);  // the poster mirrored in x
-            EXPECT_NEAR(litShare(image, false, 1.0f, s, false, true), std::max(0.0, glm::dot(turned, dvec3(s))), 0.01) << "mirrored";
-            EXPECT_NEAR(litShare(image, false, 1.0f, s, true, true), std::max(0.0, glm::dot(turned, dvec3(s))), 0.01) << "mirrored, placed";
+            EXPECT_NEAR(litShare(image, false, 1.0f, s, false, true), std::max(0.0, glm::dot(turned, dvec3(s))), 0.01)
+                << "mirrored";
+            EXPECT_NEAR(litShare(image, false, 1.0f, s, true, true), std::max(0.0, glm::dot(turned, dvec3(s))), 0.01)
+                << "mirrored, placed";
         }
     }
 }
@@ -175,7 +180,8 @@ TEST(Look, SteepNormalsOnAMirrorStayInTheFurnace) {
     SceneBuilder builder = darkness(vec3(1.0f));
     Material m = mirror(1.0f);
     const double a = 80.0 * EXACT_PI / 180.0;
-    m.normalTexture = builder.addTexture(SceneBuilder::defaultTexture(builder.addImage(imageOf(1, 1, false, {normalWord({std::sin(a), 0, std::cos(a)})}))));
+    m.normalTexture = builder.addTexture(
+        SceneBuilder::defaultTexture(builder.addImage(imageOf(1, 1, false, {normalWord({std::sin(a), 0, std::cos(a)})}))));
     place(builder, poster(builder.addMaterial(m, "relief")));
     const auto scene = builder.finish();
     for (vec3 eye : {vec3(0, 0, 4), vec3(4, 0, 0.5f), vec3(-4, 0, 0.5f)}) {

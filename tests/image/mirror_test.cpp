@@ -18,7 +18,8 @@ TEST(Mirror, ShowsTheObjectBehindItself) {
     const auto scene = [](bool reflected) {
         SceneBuilder builder = darkness(vec3(0.25f));
         const uint32_t red = builder.addMaterial(glow(vec3(3.0f, 1.0f, 0.5f)), "lamp");
-        place(builder, panel(vec3(-0.3f, reflected ? -2.0f : 2.0f, -3.0f), vec3(1.3f, 0, 0), vec3(0, reflected ? -0.8f : 0.8f, 0), red));
+        place(builder,
+              panel(vec3(-0.3f, reflected ? -2.0f : 2.0f, -3.0f), vec3(1.3f, 0, 0), vec3(0, reflected ? -0.8f : 0.8f, 0), red));
         if (!reflected) place(builder, ground(20.0f, builder.addMaterial(mirror(0.5f), "mirror")));
         return builder.finish();
     };

@@ -18,8 +18,8 @@ Settings shutterOpen(float share) {
     return settings;
 }
 
-Picture renderMoving(const std::shared_ptr<const Scene>& scene, const Camera& now, const Camera& before, const Settings& settings,
-                     uint32_t samples, uvec2 size) {
+Picture renderMoving(const std::shared_ptr<const Scene>& scene, const Camera& now, const Camera& before,
+                     const Settings& settings, uint32_t samples, uvec2 size) {
     cpu().load(scene, settings, {});
     FrameRequest request = frameRequest(*scene, now, settings, size, 1);
     request.previousCamera = before;

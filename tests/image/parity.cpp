@@ -28,11 +28,11 @@ namespace {
 
 /// What a comparison must reach.
 struct Bars {
-    double identical = 0.0;      // least share of bit-identical pixels, per cent
-    double offPixels = 0.2;      // greatest share of pixels that differ by more than 1/255, per cent
-    double psnr = 50.0;          // dB
+    double identical = 0.0;  // least share of bit-identical pixels, per cent
+    double offPixels = 0.2;  // greatest share of pixels that differ by more than 1/255, per cent
+    double psnr = 50.0;      // dB
 };
-constexpr Bars OWN{99.5, 0.002, 0.0};   // scenes of ours have no coincident surfaces
+constexpr Bars OWN{99.5, 0.002, 0.0};  // scenes of ours have no coincident surfaces
 constexpr Bars FOREIGN{0.0, 0.2, 50.0};
 
 constexpr const char* KINDS[] = {"primary", "shadow", "ambient occlusion", "reflection", "refraction"};
@@ -184,11 +184,12 @@ bool runRow(const Row& row, const Options& options, Device& embree, Device& othe
     double off = 100.0 * static_cast<double>(c.off) / static_cast<double>(c.pixels);
     double bar = options.bar >= 0.0 ? options.bar : row.bars.offPixels;
     bool good = off <= bar && c.psnr >= row.bars.psnr && (options.bar >= 0.0 || identical >= row.bars.identical);
-    std::printf("%-6s %-24s %9llu triangles  identical %7.3f %%  over 1/255 %5llu px %8.4f %%  psnr %6.1f dB  rays %llu / %llu"
-                "  ms %.0f / %.0f", good ? "ok" : "FAILED", label(row).c_str(),
-                static_cast<unsigned long long>(scene->triangleCount()), identical, static_cast<unsigned long long>(c.off), off,
-                c.psnr, static_cast<unsigned long long>(first.rays.total()),
-                static_cast<unsigned long long>(second.rays.total()), first.milliseconds, second.milliseconds);
+    std::printf(
+        "%-6s %-24s %9llu triangles  identical %7.3f %%  over 1/255 %5llu px %8.4f %%  psnr %6.1f dB  rays %llu / %llu"
+        "  ms %.0f / %.0f",
+        good ? "ok" : "FAILED", label(row).c_str(), static_cast<unsigned long long>(scene->triangleCount()), identical,
+        static_cast<unsigned long long>(c.off), off, c.psnr, static_cast<unsigned long long>(first.rays.total()),
+        static_cast<unsigned long long>(second.rays.total()), first.milliseconds, second.milliseconds);
     for (size_t kind = 0; kind < first.rays.by.size(); kind++)
         if (first.rays.by[kind] != second.rays.by[kind])
             std::printf("  %s %llu / %llu", KINDS[kind], static_cast<unsigned long long>(first.rays.by[kind]),

@@ -58,7 +58,8 @@ inline dvec3 rayThrough(const Camera& camera, uvec2 size, uint32_t x, uint32_t y
     const dvec3 right = glm::normalize(glm::cross(forward, dvec3(camera.up)));
     const dvec3 up = glm::cross(right, forward);
     const double half = std::tan(0.5 * camera.fieldOfView * EXACT_PI / 180.0);
-    return glm::normalize(forward + right * (half * (2.0 * (x + 0.5) / size.x - 1.0) * size.x / size.y) + up * (half * (1.0 - 2.0 * (y + 0.5) / size.y)));
+    return glm::normalize(forward + right * (half * (2.0 * (x + 0.5) / size.x - 1.0) * size.x / size.y) +
+                          up * (half * (1.0 - 2.0 * (y + 0.5) / size.y)));
 }
 
 /// Where the pixel's ray meets the plane through `point` with normal `normal`.

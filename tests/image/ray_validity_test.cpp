@@ -46,13 +46,29 @@ TEST(RayValidity, CamerasAtAnyDistanceGiveAPicture) {
 }
 
 TEST(RayValidity, TransformsOfAnySizeGiveAPicture) {
-    const vec3 scales[] = {vec3(1e-5f),          vec3(1e-11f),          vec3(1e-13f),        vec3(1e-19f),       vec3(1e-30f),
-                           vec3(1, 1, 1e-19f),   vec3(1, 1, 1e-30f),    vec3(1, 1, 1e-44f),  vec3(1, 1e-13f, 1), vec3(1e-19f, 1, 1e19f),
-                           vec3(1e12f),          vec3(1e13f),           vec3(1e17f),         vec3(1e20f),        vec3(1, 1, 0),
-                           vec3(1e-10f, 1, 1e9f), vec3(1e12f, 1e12f, 1e-20f), vec3(std::numeric_limits<float>::quiet_NaN(), 1, 1)};
+    const vec3 scales[] = {vec3(1e-5f),
+                           vec3(1e-11f),
+                           vec3(1e-13f),
+                           vec3(1e-19f),
+                           vec3(1e-30f),
+                           vec3(1, 1, 1e-19f),
+                           vec3(1, 1, 1e-30f),
+                           vec3(1, 1, 1e-44f),
+                           vec3(1, 1e-13f, 1),
+                           vec3(1e-19f, 1, 1e19f),
+                           vec3(1e12f),
+                           vec3(1e13f),
+                           vec3(1e17f),
+                           vec3(1e20f),
+                           vec3(1, 1, 0),
+                           vec3(1e-10f, 1, 1e9f),
+                           vec3(1e12f, 1e12f, 1e-20f),
+                           vec3(std::numeric_limits<float>::quiet_NaN(), 1, 1)};
     for (vec3 scale : scales) {
-        mat4 flat = glm::rotate(mat4(1.0f), 0.7f, vec3(1, 2, 3)) * glm::scale(mat4(1.0f), scale) * glm::rotate(mat4(1.0f), 0.4f, vec3(3, 1, 0));
-        for (const mat4& toWorld : {glm::scale(mat4(1.0f), scale), glm::scale(glm::translate(mat4(1.0f), vec3(4, 0, 1)), scale), flat}) {
+        mat4 flat = glm::rotate(mat4(1.0f), 0.7f, vec3(1, 2, 3)) * glm::scale(mat4(1.0f), scale) *
+                    glm::rotate(mat4(1.0f), 0.4f, vec3(3, 1, 0));
+        for (const mat4& toWorld :
+             {glm::scale(mat4(1.0f), scale), glm::scale(glm::translate(mat4(1.0f), vec3(4, 0, 1)), scale), flat}) {
             const auto scene = withPlaced(toWorld);
             const Picture picture = render(scene, NEAR, everything(), 1, uvec2(16, 16));
             EXPECT_EQ(picture.stats.rays.untraceable, 0u) << scale.x << " " << scale.y << " " << scale.z;
@@ -63,7 +79,8 @@ TEST(RayValidity, TransformsOfAnySizeGiveAPicture) {
 
 TEST(RayValidity, LightsAtAnyDistanceGiveAPicture) {
     for (float distance : {1e6f, 1e15f, 1e18f, 1e19f, 1e30f, 3e38f}) {
-        const Picture picture = render(withPlaced(glm::translate(mat4(1.0f), vec3(3, 0, 0)), vec3(distance)), NEAR, everything(), 1, uvec2(16, 16));
+        const Picture picture =
+            render(withPlaced(glm::translate(mat4(1.0f), vec3(3, 0, 0)), vec3(distance)), NEAR, everything(), 1, uvec2(16, 16));
         EXPECT_EQ(picture.stats.nonfiniteSamples, 0u) << distance;
         EXPECT_EQ(picture.stats.rays.untraceable, 0u) << distance;
     }

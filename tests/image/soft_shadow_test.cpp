@@ -42,7 +42,8 @@ double exactIrradiance(dvec3 at, dvec3 centre, double radius, double intensity) 
     double sum = 0.0;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
-            const double c = 1.0 - (i + 0.5) / n * (1.0 - cosMax), s = std::sqrt(1.0 - c * c), phi = 2 * EXACT_PI * (j + 0.5) / n;
+            const double c = 1.0 - (i + 0.5) / n * (1.0 - cosMax), s = std::sqrt(1.0 - c * c),
+                         phi = 2 * EXACT_PI * (j + 0.5) / n;
             const dvec3 w = side * (s * std::cos(phi)) + other * (s * std::sin(phi)) + axis * c;
             if (at.x + w.x / w.y > 0.0) sum += w.y;  // passes height 1 beside the roof
         }
@@ -143,7 +144,7 @@ TEST(SoftShadows, RaysAreCountedPerLightWithAnExtent) {
     builder.addLight(pointLight(vec3(1, 3, 0), vec3(5.0f)));
     builder.addLight(ball(vec3(0, -3, 0), 0.2f, 5.0f));  // behind the floor: no ray
     Light far = ball(vec3(0, 900, 0), 0.2f, 5.0f);
-    far.range = 10.0f;                                   // out of range: no ray
+    far.range = 10.0f;  // out of range: no ray
     builder.addLight(far);
     const auto scene = builder.finish();
     const Camera camera = lookAt(vec3(0, 3, 0), vec3(0.0f), 20.0f);
@@ -159,7 +160,8 @@ TEST(SoftShadows, RaysAreCountedPerLightWithAnExtent) {
 TEST(SoftShadows, OnlyLightsWithAnExtentCallForThem) {
     EXPECT_FALSE(effectsOf(*edgeUnder(ball(vec3(0, 2, 0), 0.0f, 1.0f))).has(EFFECT_SOFT_SHADOWS));
     EXPECT_TRUE(effectsOf(*edgeUnder(ball(vec3(0, 2, 0), 0.1f, 1.0f))).has(EFFECT_SOFT_SHADOWS));
-    EXPECT_TRUE(effectsOf(*edgeUnder(generate::quadLight(vec3(0, 2, 0), vec3(1, 0, 0), vec2(1.0f), vec3(1.0f)))).has(EFFECT_SOFT_SHADOWS));
+    EXPECT_TRUE(effectsOf(*edgeUnder(generate::quadLight(vec3(0, 2, 0), vec3(1, 0, 0), vec2(1.0f), vec3(1.0f))))
+                    .has(EFFECT_SOFT_SHADOWS));
     for (const EffectReason& reason : explainEffects(*edgeUnder(ball(vec3(0, 2, 0), 0.1f, 1.0f)))) {
         if (reason.bit == EFFECT_SOFT_SHADOWS) {
             EXPECT_EQ(reason.because, "1 light with an extent");

@@ -145,7 +145,8 @@ std::shared_ptr<const Scene> fence(bool placed) {
     SceneBuilder builder = darkness(vec3(0.5f));
     ImageData image;
     image.width = image.height = 8;
-    for (uint32_t i = 0; i < 64; i++) image.rgba8.insert(image.rgba8.end(), {255, 255, 255, uint8_t((i + i / 8) % 2 ? 0 : 255)});
+    for (uint32_t i = 0; i < 64; i++)
+        image.rgba8.insert(image.rgba8.end(), {255, 255, 255, uint8_t((i + i / 8) % 2 ? 0 : 255)});
     TextureSlot slot = SceneBuilder::defaultTexture(builder.addImage(image));
     slot.nearest = 1;
     Material m = glow(vec3(2.0f));

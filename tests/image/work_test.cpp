@@ -91,7 +91,8 @@ TEST(WorkLeftOut, NoShadowRayToALightAtTheEye) {
     SceneBuilder builder("between mirrors");
     builder.setEnvironmentColor(vec3(0.0f));
     place(builder, ground(100.0f, builder.addMaterial(mirror(0.5f), "floor")));
-    place(builder, ground(100.0f, builder.addMaterial(paint(vec3(1.0f)), "ceiling")), glm::translate(mat4(1.0f), vec3(0, 6, 0)));
+    place(builder, ground(100.0f, builder.addMaterial(paint(vec3(1.0f)), "ceiling")),
+          glm::translate(mat4(1.0f), vec3(0, 6, 0)));
     builder.addLight(light);
     const RayCounts rays = render(builder.finish(), DOWN).stats.rays;
     EXPECT_EQ(rays[RayKind::reflection], PIXELS);
@@ -110,7 +111,8 @@ TEST(WorkLeftOut, NoLightOrOcclusionRayOnWhatOnlyGlows) {
         EXPECT_EQ(raysOf(RayKind::ambientOcclusion, scene, occlusion), 0u);
     }
     EXPECT_EQ(raysOf(RayKind::ambientOcclusion, floorOf(paint(vec3(1.0f)), light, vec3(1.0f)), occlusion), 9u * PIXELS);
-    EXPECT_EQ(raysOf(RayKind::ambientOcclusion, floorOf(paint(vec3(1.0f)), light), occlusion), 0u) << "there is no ambient light";
+    EXPECT_EQ(raysOf(RayKind::ambientOcclusion, floorOf(paint(vec3(1.0f)), light), occlusion), 0u)
+        << "there is no ambient light";
     occlusion.aoRadius = 0.0f;
     EXPECT_EQ(raysOf(RayKind::ambientOcclusion, floorOf(paint(vec3(1.0f)), light, vec3(1.0f)), occlusion), 0u) << "of radius 0";
 }

@@ -15,7 +15,8 @@ dvec3 exactDirection(const Camera& camera, uvec2 resolution, double x, double y)
     const dvec3 up = glm::cross(right, forward);
     const double half = std::tan(0.5 * camera.fieldOfView * EXACT_PI / 180.0);
     const double aspect = double(resolution.x) / resolution.y;
-    return glm::normalize(forward + right * (half * aspect * (2.0 * x / resolution.x - 1.0)) + up * (half * (1.0 - 2.0 * y / resolution.y)));
+    return glm::normalize(forward + right * (half * aspect * (2.0 * x / resolution.x - 1.0)) +
+                          up * (half * (1.0 - 2.0 * y / resolution.y)));
 }
 
 double angleBetween(dvec3 a, dvec3 b) { return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)); }
@@ -87,7 +88,8 @@ TEST(CameraDirection, ExtremeShapesAreRight) {
 TEST(CameraDirection, PixelSpreadIsTheAngleOfACentralPixel) {
     for (float fieldOfView : {0.01f, 1.0f, 60.0f}) {
         const Camera camera = slanted(fieldOfView);
-        const double exact = angleBetween(exactDirection(camera, uvec2(101, 101), 50.5, 50.5), exactDirection(camera, uvec2(101, 101), 50.5, 51.5));
+        const double exact = angleBetween(exactDirection(camera, uvec2(101, 101), 50.5, 50.5),
+                                          exactDirection(camera, uvec2(101, 101), 50.5, 51.5));
         EXPECT_NEAR(kernelCamera(camera, uvec2(101, 101)).pixelSpread / exact, 1.0, 1e-3) << fieldOfView;
     }
 }

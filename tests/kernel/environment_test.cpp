@@ -38,7 +38,8 @@ EveryKernel kernelFor(const Scene& scene) {
 /// Unit direction at texture coordinates (u, v): u = 0.5 looks along -Z, growing towards +X; v = 0 is up.
 vec3 directionAt(double u, double v, double rotation = 0.0) {
     const double azimuth = (u - 0.5) * 2.0 * EXACT_PI - rotation, polar = v * EXACT_PI;
-    return vec3(float(std::sin(polar) * std::sin(azimuth)), float(std::cos(polar)), float(-std::sin(polar) * std::cos(azimuth)));
+    return vec3(float(std::sin(polar) * std::sin(azimuth)), float(std::cos(polar)),
+                float(-std::sin(polar) * std::cos(azimuth)));
 }
 
 TEST(EnvironmentLight, EveryTexelAppearsWhereTheMapSays) {
@@ -56,7 +57,8 @@ TEST(EnvironmentLight, EveryTexelAppearsWhereTheMapSays) {
 
 TEST(EnvironmentLight, IntensityAndRotationApply) {
     const double rotation = 1.2345;
-    const auto scene = skyScene(64, 32, [](uint32_t x, uint32_t) { return vec3(x < 32 ? 1.0f : 0.25f); }, 3.0f, float(rotation));
+    const auto scene = skyScene(
+        64, 32, [](uint32_t x, uint32_t) { return vec3(x < 32 ? 1.0f : 0.25f); }, 3.0f, float(rotation));
     EveryKernel kernel = kernelFor(*scene);
     EXPECT_FLOAT_EQ(kernel.environmentRadiance(directionAt(0.3, 0.5, rotation), 0.0f).x, 3.0f);
     EXPECT_FLOAT_EQ(kernel.environmentRadiance(directionAt(0.7, 0.5, rotation), 0.0f).x, 0.75f);

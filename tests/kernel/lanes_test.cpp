@@ -121,7 +121,8 @@ RandomHit randomHit(const Scene& scene, EveryKernel& kernel, Random& random) {
     if (random.below(8) == 0) r.path.throughput = vec3(1e-4f);  // below the threshold: ends here
     r.path.coneWidth = random.real(0.0f, 0.1f);
     r.path.coneSpread = random.real(0.0f, 0.01f);
-    r.path.depth = random.below(3) | random.below(9) << 8 | random.below(17) << 16 | random.below(2) << 23 | random.below(3) << 24;
+    r.path.depth =
+        random.below(3) | random.below(9) << 8 | random.below(17) << 16 | random.below(2) << 23 | random.below(3) << 24;
     r.path.medium = random.below(3) ? 0u : 1u + random.below(static_cast<uint32_t>(scene.materials.size()));
     r.path.salt = random.word();
     r.pixel = uvec2(random.below(4096), random.below(4096));
@@ -154,7 +155,8 @@ void compareArrivals(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&h
         EXPECT_FIELD(occlusion);
         EXPECT_FIELD(air);
         EXPECT_EQ(w.next.v[lane], s.next);
-#define COMPARE(bit, path) if (s.next & EveryKernel::bit) expectSame(w.path, s.path, lane);
+#define COMPARE(bit, path) \
+    if (s.next & EveryKernel::bit) expectSame(w.path, s.path, lane);
         FOR_NEXT_PATHS(COMPARE)
 #undef COMPARE
     }
@@ -165,7 +167,8 @@ void compareArrivals(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&h
             SCOPED_TRACE("light " + std::to_string(l) + ", ray " + std::to_string(ray));
             const auto wideRay = lanes.rayToLight(l, ray, own, sample, pixel, path, w);
             for (int lane = 0; lane < LANES; lane++)
-                expectSame(wideRay, scalar.rayToLight(l, ray, own, sample, hits[lane].pixel, hits[lane].path, arrivals[lane]), lane);
+                expectSame(wideRay, scalar.rayToLight(l, ray, own, sample, hits[lane].pixel, hits[lane].path, arrivals[lane]),
+                           lane);
         }
     }
 }
@@ -202,8 +205,8 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
     const wide::Bool wideNeeds = lanes.needsOcclusion(wideAmbient);
     wide::Vec3 wideRadiance = wideEmitted;
     WideKernel::PathState wideNext[3] = {};
-    const wide::Uint wideKinds = lanes.nextRays(path, wideSurface, wideShading, wideThroughput, wideNext[0], wideNext[1],
-                                                wideNext[2], wideRadiance);
+    const wide::Uint wideKinds =
+        lanes.nextRays(path, wideSurface, wideShading, wideThroughput, wideNext[0], wideNext[1], wideNext[2], wideRadiance);
     const wide::Vec3 wideThrough = lanes.surfaceTransmittance(wideSurface, path.direction);
     const wide::Vec3 wideMiss = lanes.missRadiance(path);
     wide::Vec3 wideTangent, wideBitangent;
@@ -244,8 +247,10 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
         vec3 tangent, bitangent;
         scalar.orthonormalBasis(shading.normal, tangent, bitangent);
         const uint32_t shift = scalar.occlusionShift(hits[lane].pixel, p.salt);
-        EXPECT_TRUE(same(wideOcclusion, scalar.occlusionDirection(point, shift, shading.normal, surface.geometricNormal, tangent,
-                                                                  bitangent), lane)) << "occlusionDirection";
+        EXPECT_TRUE(same(wideOcclusion,
+                         scalar.occlusionDirection(point, shift, shading.normal, surface.geometricNormal, tangent, bitangent),
+                         lane))
+            << "occlusionDirection";
         EXPECT_TRUE(same(wideHole, scalar.isCutOut(surface), lane)) << "isCutOut";
         for (uint32_t l = 0; l < scalar.frame.lightCount; l++) {
             const auto shadow = scalar.lightRay(l, surface, shading, wo, throughput);
@@ -296,17 +301,30 @@ TEST(Lanes, MathematicsIsTheSameForAllFloats) {
         }
         wide::Float s, c;
         lanes.sinCosTurn(lanes.saturate(y), s, c);
-        const wide::Float values[] = {lanes.expKernel(x), lanes.logKernel(abs(x)), lanes.powKernel(abs(y), abs(x)), s, c,
-                                      lanes.acosKernel(y), lanes.atan2Kernel(x, y), lanes.log2Rough(abs(x)),
+        const wide::Float values[] = {lanes.expKernel(x),
+                                      lanes.logKernel(abs(x)),
+                                      lanes.powKernel(abs(y), abs(x)),
+                                      s,
+                                      c,
+                                      lanes.acosKernel(y),
+                                      lanes.atan2Kernel(x, y),
+                                      lanes.log2Rough(abs(x)),
                                       lanes.wrapCoordinate(x, wide::Uint(uint32_t(WRAP_MIRROR)))};
         for (int lane = 0; lane < LANES; lane++) {
             const float a = x.v[lane], b = y.v[lane];
             float sine, cosine;
             scalar.sinCosTurn(scalar.saturate(b), sine, cosine);
-            const float expected[] = {scalar.expKernel(a), scalar.logKernel(std::abs(a)), scalar.powKernel(std::abs(b), std::abs(a)),
-                                      sine, cosine, scalar.acosKernel(b), scalar.atan2Kernel(a, b), scalar.log2Rough(std::abs(a)),
+            const float expected[] = {scalar.expKernel(a),
+                                      scalar.logKernel(std::abs(a)),
+                                      scalar.powKernel(std::abs(b), std::abs(a)),
+                                      sine,
+                                      cosine,
+                                      scalar.acosKernel(b),
+                                      scalar.atan2Kernel(a, b),
+                                      scalar.log2Rough(std::abs(a)),
                                       scalar.wrapCoordinate(a, WRAP_MIRROR)};
-            for (size_t f = 0; f < std::size(expected); f++) ASSERT_TRUE(same(values[f], expected[f], lane)) << f << " of " << a << ", " << b;
+            for (size_t f = 0; f < std::size(expected); f++)
+                ASSERT_TRUE(same(values[f], expected[f], lane)) << f << " of " << a << ", " << b;
         }
     }
 }

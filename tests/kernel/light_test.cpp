@@ -77,7 +77,8 @@ TEST(Light, SpotFadesBetweenItsCones) {
     for (double angle = 0.0; angle < 1.5; angle += 0.01) {
         const dvec3 offset(std::sin(angle), -std::cos(angle), 0.0);
         const auto sample = sampleOf(light, light.position + vec3(offset * 2.0));
-        const double edge = std::min(std::max((std::cos(angle) - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0), 1.0);
+        const double edge =
+            std::min(std::max((std::cos(angle) - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0), 1.0);
         EXPECT_NEAR(sample.irradiance.x, edge * edge, 1e-5) << angle;
     }
 }

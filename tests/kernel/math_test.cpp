@@ -102,8 +102,9 @@ TEST(KernelMath, AcosKernelIsRightTo5e7) {
     Random random(6);
     double worst = 0.0;
     for (int i = 0; i < 200000; i++) {
-        const float x = i < 100000 ? random.real(-1.0f, 1.0f)
-                                   : std::copysign(1.0f - static_cast<float>(random.magnitude(1e-7, 1e-2)), random.real(-1.0f, 1.0f));
+        const float x = i < 100000
+                            ? random.real(-1.0f, 1.0f)
+                            : std::copysign(1.0f - static_cast<float>(random.magnitude(1e-7, 1e-2)), random.real(-1.0f, 1.0f));
         worst = std::max(worst, std::abs(kernel.acosKernel(x) - std::acos(double(x))));
     }
     EXPECT_LT(worst, 5e-7);
@@ -195,9 +196,9 @@ TEST(KernelMath, OrthonormalBasisIsOne) {
         vec3 t, b;
         kernel.orthonormalBasis(n, t, b);
         const dvec3 dn(n), dt(t), db(b);
-        worst = std::max({worst, std::abs(glm::dot(dn, dt)), std::abs(glm::dot(dn, db)), std::abs(glm::dot(dt, db)),
-                          std::abs(glm::length(dt) - 1.0), std::abs(glm::length(db) - 1.0),
-                          glm::length(glm::cross(dt, db) - dn)});
+        worst =
+            std::max({worst, std::abs(glm::dot(dn, dt)), std::abs(glm::dot(dn, db)), std::abs(glm::dot(dt, db)),
+                      std::abs(glm::length(dt) - 1.0), std::abs(glm::length(db) - 1.0), glm::length(glm::cross(dt, db) - dn)});
     }
     EXPECT_LT(worst, 1e-6);
 }

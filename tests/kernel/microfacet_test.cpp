@@ -61,7 +61,9 @@ EveryKernel::Shading microfacetShading(float roughness, vec3 f0, vec3 diffuse) {
     return m;
 }
 
-double reflectedRed(const EveryKernel::Shading& m, dvec3 wo, dvec3 wi) { return kernel.reflectedLight(m, vec3(wo), vec3(wi)).x; }
+double reflectedRed(const EveryKernel::Shading& m, dvec3 wo, dvec3 wi) {
+    return kernel.reflectedLight(m, vec3(wo), vec3(wi)).x;
+}
 
 TEST(Microfacet, DistributionsProjectToOne) {
     for (double roughness : {0.1, 0.2, 0.4, 0.7, 1.0}) {
@@ -118,8 +120,10 @@ TEST(Microfacet, AWhiteDielectricGainsNoEnergy) {
             const auto m = microfacetShading(roughness, vec3(0.04f), vec3(1.0f));
             auto specular = m;
             specular.diffuse = vec3(0.0f);
-            const double lobe = directionalAlbedo(wo, roughness * roughness, [&](dvec3 wi) { return reflectedRed(specular, wo, wi); });
-            const double rest = hemisphereAlbedo([&](dvec3 wi) { return reflectedRed(m, wo, wi) - reflectedRed(specular, wo, wi); });
+            const double lobe =
+                directionalAlbedo(wo, roughness * roughness, [&](dvec3 wi) { return reflectedRed(specular, wo, wi); });
+            const double rest =
+                hemisphereAlbedo([&](dvec3 wi) { return reflectedRed(m, wo, wi) - reflectedRed(specular, wo, wi); });
             EXPECT_LE(lobe + rest, 1.01) << roughness << " at " << degrees;
             EXPECT_GE(lobe + rest, 0.80) << roughness << " at " << degrees;
         }
@@ -173,7 +177,8 @@ TEST(Microfacet, EnvironmentBrdfIsNearTheLobesAlbedo) {
             const dvec3 wo = viewAt(degrees);
             for (float f0 : {0.04f, 0.5f, 1.0f}) {
                 const auto m = microfacetShading(float(roughness), vec3(f0), vec3(0.0f));
-                const double exact = directionalAlbedo(wo, roughness * roughness, [&](dvec3 wi) { return reflectedRed(m, wo, wi); });
+                const double exact =
+                    directionalAlbedo(wo, roughness * roughness, [&](dvec3 wi) { return reflectedRed(m, wo, wi); });
                 const double fit = kernel.environmentBrdf(vec3(f0), float(roughness), float(wo.z)).x;
                 worst = std::max(worst, std::abs(fit - exact));
                 if (f0 < 0.1f) dielectric = std::max(dielectric, std::abs(fit - exact));

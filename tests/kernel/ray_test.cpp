@@ -119,7 +119,9 @@ TEST(OffsetRayOrigin, HoldsForTrianglesUpTo30TimesTheHitsDistance) {
     }
 }
 
-struct ExactBarycentrics { double t, u, v; };
+struct ExactBarycentrics {
+    double t, u, v;
+};
 
 ExactBarycentrics exactBarycentrics(dvec3 origin, dvec3 direction, dvec3 a, dvec3 b, dvec3 c) {
     const dvec3 e1 = b - a, e2 = c - a, p = glm::cross(direction, e2), s = origin - a, q = glm::cross(s, e1);
@@ -160,7 +162,8 @@ TEST(TriangleBarycentrics, StayInTheTriangle) {
 
 TEST(TriangleBarycentrics, DegenerateTrianglesGiveTheirCentre) {
     const vec3 a(1.0f, 2.0f, 3.0f), e(0.5f, 0.0f, 0.0f);
-    for (auto [e1, e2] : {std::pair{vec3(0.0f), vec3(0.0f)}, std::pair{e, e}, std::pair{e, vec3(0.0f)}, std::pair{e, e * 2.0f}}) {
+    for (auto [e1, e2] :
+         {std::pair{vec3(0.0f), vec3(0.0f)}, std::pair{e, e}, std::pair{e, vec3(0.0f)}, std::pair{e, e * 2.0f}}) {
         const auto bary = kernel.triangleBarycentrics(vec3(0.0f, 0.0f, 10.0f), vec3(0.0f, 0.0f, -1.0f), a, e1, e2);
         EXPECT_TRUE(std::isfinite(bary.t));
         EXPECT_FLOAT_EQ(bary.u, 1.0f / 3.0f);

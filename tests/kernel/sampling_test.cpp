@@ -150,7 +150,8 @@ TEST(Sampling, ShuffledPointsKeepTheirStrata) {
                 const uvec2 point = kernel.shuffledPoint(i, seed);
                 cells.insert((point.x >> (32 - log / 2)) * side + (point.y >> (32 - log / 2)));
             }
-            EXPECT_EQ(cells.size(), side * side) << "one of the first " << side * side << " points in each square, seed " << seed;
+            EXPECT_EQ(cells.size(), side * side)
+                << "one of the first " << side * side << " points in each square, seed " << seed;
         }
     }
 }
@@ -164,7 +165,8 @@ TEST(Sampling, ShufflesAreIndependentOfEachOther) {
     for (uint32_t seed = 1; seed <= 64; seed++) {
         int cells[256] = {};
         for (uint32_t i = 0; i < 4096; i++) {
-            const uint32_t a = kernel.shuffledPoint(i, kernel.hashUint(seed)).x >> 28, b = kernel.shuffledPoint(i, kernel.hashUint(seed + 1000)).x >> 28;
+            const uint32_t a = kernel.shuffledPoint(i, kernel.hashUint(seed)).x >> 28,
+                           b = kernel.shuffledPoint(i, kernel.hashUint(seed + 1000)).x >> 28;
             cells[a * 16 + b]++;
         }
         double chiSquare = 0.0;

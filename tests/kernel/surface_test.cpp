@@ -39,12 +39,16 @@ dvec3 corner(const Scene& scene, uint32_t instance, uint32_t primitive, int k) {
     return {row(i.toWorld0), row(i.toWorld1), row(i.toWorld2)};
 }
 
-struct Case { const char* name; mat4 matrix; };
+struct Case {
+    const char* name;
+    mat4 matrix;
+};
 
 std::vector<Case> transforms() {
     const mat4 one(1.0f);
     mat4 deep(1.0f);
-    for (int i = 0; i < 40; i++) deep = glm::rotate(glm::translate(deep, vec3(0.1f, -0.05f, 0.02f)), 0.37f, glm::normalize(vec3(1, i % 3, 2)));
+    for (int i = 0; i < 40; i++)
+        deep = glm::rotate(glm::translate(deep, vec3(0.1f, -0.05f, 0.02f)), 0.37f, glm::normalize(vec3(1, i % 3, 2)));
     mat4 shear(1.0f);
     shear[1][0] = 1.7f;
     shear[2][1] = -0.6f;
@@ -71,14 +75,16 @@ void checkTransform(const Case& c, bool placed) {
     for (int i = 0; i < 2000; i++) {
         const uint32_t primitive = random.below(static_cast<uint32_t>(body.indices.size()));
         double u = random.number(0.1, 0.4), v = random.number(0.1, 0.4), w = 1.0 - u - v;
-        const dvec3 a = corner(*scene, 0, primitive, 0), b = corner(*scene, 0, primitive, 1), d = corner(*scene, 0, primitive, 2);
+        const dvec3 a = corner(*scene, 0, primitive, 0), b = corner(*scene, 0, primitive, 1),
+                    d = corner(*scene, 0, primitive, 2);
         const dvec3 target = a * w + b * u + d * v;
         const bool outside = random.below(2) != 0;
         // Outer side of the facet in world space: away from the body's centre, whatever the transform.
         dvec3 outer = glm::normalize(glm::cross(b - a, d - a));
         if (glm::dot(outer, target - dvec3(c.matrix[3])) < 0.0) outer = -outer;
         const double size = std::max({glm::length(b - a), glm::length(d - a), glm::length(dvec3(target)) * 1e-3});
-        const vec3 origin(target + outer * (outside ? size : -size) + glm::cross(outer, dvec3(random.direction())) * (0.3 * size));
+        const vec3 origin(target + outer * (outside ? size : -size) +
+                          glm::cross(outer, dvec3(random.direction())) * (0.3 * size));
         const vec3 direction = vec3(glm::normalize(target - dvec3(origin)));
         const auto s = kernel.surfaceAt(origin, direction, 0.0f, 0.0f, Hit{0, primitive});
         const double reach = std::max({glm::length(a), glm::length(b), glm::length(d), glm::length(dvec3(origin))});
@@ -93,7 +99,8 @@ void checkTransform(const Case& c, bool placed) {
         const double height = glm::length(glm::cross(b - a, d - a)) / longest;
         ASSERT_LT(glm::length(dvec3(s.geometricNormal) - outer * double(s.side)), 4e-7 * reach / height + 1e-6) << c.name;
         // Object-space normals of the corners, carried over and interpolated at the place that the kernel has found.
-        const vec3 first = kernel.transformPoint(0, vec3(scene->positions[scene->triangles[scene->instances[0].firstTriangle + primitive].x]));
+        const vec3 first =
+            kernel.transformPoint(0, vec3(scene->positions[scene->triangles[scene->instances[0].firstTriangle + primitive].x]));
         const auto bary = kernel.triangleBarycentrics(origin, direction, first, s.edge1, s.edge2);
         u = bary.u, v = bary.v, w = 1.0 - u - v;
         const uvec3 t = body.indices[primitive];
@@ -190,7 +197,8 @@ TEST(Surface, FootprintIsTheConesShareOfTheTexture) {
     const vec3 slanted = glm::normalize(vec3(0.0f, 1.0f, -1.0f));
     const auto s = kernel.surfaceAt(vec3(1.0f, 0.5f, 1.0f) - slanted * 0.0f, slanted, 0.01f, 0.0f, Hit{0, 0});
     EXPECT_NEAR(s.footprint / (0.01 * 0.01 / 6.0 * std::sqrt(2.0)), 1.0, 1e-5);
-    const auto grazing = kernel.surfaceAt(vec3(1.0f, 0.5f, 1e-4f), glm::normalize(vec3(0.0f, 1.0f, -1e-4f)), 0.01f, 0.0f, Hit{0, 0});
+    const auto grazing =
+        kernel.surfaceAt(vec3(1.0f, 0.5f, 1e-4f), glm::normalize(vec3(0.0f, 1.0f, -1e-4f)), 0.01f, 0.0f, Hit{0, 0});
     EXPECT_TRUE(std::isfinite(grazing.footprint));
 }
 
@@ -208,7 +216,9 @@ bool blocked(const MeshData& mesh, dvec3 origin, dvec3 direction, double tMax) {
     return false;
 }
 
-struct TerminatorError { double mean, worst; };
+struct TerminatorError {
+    double mean, worst;
+};
 
 /// Error of N.L with shadows against the true sphere, over points where the light stands at 60 to 90 degrees.
 TerminatorError terminatorError(bool mitigated) {
@@ -230,7 +240,8 @@ TerminatorError terminatorError(bool mitigated) {
         const uvec3 t = body.indices[primitive];
         double u = random.number(0.0, 1.0), v = random.number(0.0, 1.0);
         if (u + v > 1.0) u = 1.0 - u, v = 1.0 - v;
-        const dvec3 target = dvec3(body.positions[t.x]) * (1.0 - u - v) + dvec3(body.positions[t.y]) * u + dvec3(body.positions[t.z]) * v;
+        const dvec3 target =
+            dvec3(body.positions[t.x]) * (1.0 - u - v) + dvec3(body.positions[t.y]) * u + dvec3(body.positions[t.z]) * v;
         const dvec3 trueNormal = glm::normalize(target);
         const dvec3 toLight = dvec3(light.position) - trueNormal;
         const double cosine = glm::dot(trueNormal, glm::normalize(toLight));
@@ -271,7 +282,8 @@ TEST(Surface, ShadowPositionNeverLiesInsideTheBody) {
         const vec3 d = random.direction();
         const uint32_t primitive = random.below(static_cast<uint32_t>(body.indices.size()));
         const uvec3 t = body.indices[primitive];
-        const vec3 target = (body.positions[t.x] + body.positions[t.y] * random.real(0.0f, 1.0f) + body.positions[t.z] * random.real(0.0f, 1.0f));
+        const vec3 target = (body.positions[t.x] + body.positions[t.y] * random.real(0.0f, 1.0f) +
+                             body.positions[t.z] * random.real(0.0f, 1.0f));
         const vec3 origin = target + d * 5.0f;
         const auto s = kernel.surfaceAt(origin, kernel.normalize3(target - origin), 0.0f, 0.0f, Hit{0, primitive});
         // Seen from outside it rises towards the sphere; from inside it stays on the facet or sinks inwards.

@@ -76,7 +76,8 @@ dvec4 bilinear(const OneTexture& t, double u, double v) {
     dvec4 sum(0.0);
     for (int j = 0; j < 2; j++) {
         for (int i = 0; i < 2; i++) {
-            const uint32_t word = t.word(outsideTexel(int64_t(fx) + i, w, t.slot.wrapU), outsideTexel(int64_t(fy) + j, h, t.slot.wrapV));
+            const uint32_t word =
+                t.word(outsideTexel(int64_t(fx) + i, w, t.slot.wrapU), outsideTexel(int64_t(fy) + j, h, t.slot.wrapV));
             dvec4 texel;
             for (int c = 0; c < 4; c++) {
                 const double code = (word >> (8 * c) & 255u) / 255.0;
@@ -111,7 +112,8 @@ TEST(Texture, SrgbToLinearIsWithinATenthOfACode) {
 TEST(Texture, SrgbToLinearGrowsWithTheCode) {
     EveryKernel kernel = bareKernel();
     for (int code = 1; code < 256; code++)
-        EXPECT_GT(kernel.srgbToLinear(vec3(float(code) / 255.0f)).x, kernel.srgbToLinear(vec3(float(code - 1) / 255.0f)).x) << code;
+        EXPECT_GT(kernel.srgbToLinear(vec3(float(code) / 255.0f)).x, kernel.srgbToLinear(vec3(float(code - 1) / 255.0f)).x)
+            << code;
 }
 
 TEST(Texture, Rgb9e5IsDecodedExactly) {
@@ -173,7 +175,8 @@ TEST(Texture, WrapTexelTakesTheNeighbourThatTheModeNames) {
     EveryKernel kernel = bareKernel();
     for (int size : {1, 2, 3, 7, 256})
         for (uint32_t mode : {WRAP_REPEAT, WRAP_CLAMP, WRAP_MIRROR})
-            for (int i = -1; i <= size; i++) EXPECT_EQ(kernel.wrapTexel(i, size, mode), outsideTexel(i, size, mode)) << i << " of " << size;
+            for (int i = -1; i <= size; i++)
+                EXPECT_EQ(kernel.wrapTexel(i, size, mode), outsideTexel(i, size, mode)) << i << " of " << size;
 }
 
 // Rounding of u * width moves the weights by up to 2^-24 * width; texels differ by up to 0.8.
@@ -220,7 +223,8 @@ TEST(Texture, NearestTakesTheTexelThatHoldsThePoint) {
                 const float u = random.real(-1e4f, 1e4f), v = random.real(-2.0f, 2.0f);
                 const double x = wrapped(u, mode) * size.x, y = wrapped(v, mode) * size.y;
                 if (std::abs(x - std::round(x)) < 1e-5 || std::abs(y - std::round(y)) < 1e-5) continue;  // on a border
-                const uint32_t word = texture.word(std::min<int64_t>(int64_t(x), size.x - 1), std::min<int64_t>(int64_t(y), size.y - 1));
+                const uint32_t word =
+                    texture.word(std::min<int64_t>(int64_t(x), size.x - 1), std::min<int64_t>(int64_t(y), size.y - 1));
                 ASSERT_NEAR(texture.sample(u, v).x, (word & 255u) / 255.0, 1e-7) << u << ' ' << v;
             }
         }
@@ -228,8 +232,9 @@ TEST(Texture, NearestTakesTheTexelThatHoldsThePoint) {
 }
 
 TEST(Texture, NoCoordinateReadsOutsideTheImage) {
-    std::vector<float> coordinates = {0.0f, -0.0f, 1.0f, -1.0f, 0.99999994f, 1.0000001f, -1e-10f, 1e-40f, 1e6f, -1e6f, 9.9e8f,
-                                      -9.9e8f, 1e9f, 1e30f, -1e30f, INFINITE, -INFINITE, NOT_A_NUMBER, 16777217.0f, 2.0f, -2.0f};
+    std::vector<float> coordinates = {0.0f,   -0.0f,    1.0f,      -1.0f,        0.99999994f, 1.0000001f, -1e-10f,
+                                      1e-40f, 1e6f,     -1e6f,     9.9e8f,       -9.9e8f,     1e9f,       1e30f,
+                                      -1e30f, INFINITE, -INFINITE, NOT_A_NUMBER, 16777217.0f, 2.0f,       -2.0f};
     for (uvec2 size : {uvec2(1, 1), uvec2(2, 2), uvec2(5, 3), uvec2(1, 7), uvec2(16384, 1)}) {
         OneTexture texture(size.x, size.y, IMAGE_LINEAR8, 11);
         for (uint32_t mode = 0; mode < 18; mode++) {

@@ -49,7 +49,8 @@ TEST(RayTriangle, NoRayAtAVertexOrAnEdgeLeaks) {
         const MeshData mesh = shape == 0 ? icosphere(3) : squashedSphere(3);
         Random random(2);
         for (int turn = 0; turn < 4; turn++) {
-            const vec3 origin = turn == 0 ? vec3(0.0f) : vec3(random.real(-0.3f, 0.3f), random.real(-3e-4f, 3e-4f), random.real(-0.3f, 0.3f));
+            const vec3 origin =
+                turn == 0 ? vec3(0.0f) : vec3(random.real(-0.3f, 0.3f), random.real(-3e-4f, 3e-4f), random.real(-0.3f, 0.3f));
             for (vec3 p : mesh.positions) ASSERT_TRUE(meets(mesh, origin, p - origin)) << shape;
             for (uvec3 t : mesh.indices) {
                 const vec3 middle = (mesh.positions[t.x] + mesh.positions[t.y]) * 0.5f;

@@ -20,7 +20,8 @@ struct Bench {
     Bench() {
         environment.image = NO_INDEX;
         environment.color = environment.ambient[0] = vec4(1.0f, 1.0f, 1.0f, 0.0f);
-        kernel.frame.effects = EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ABSORPTION | EFFECT_EMISSION | EFFECT_ALPHA_BLEND;
+        kernel.frame.effects =
+            EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ABSORPTION | EFFECT_EMISSION | EFFECT_ALPHA_BLEND;
         kernel.frame.maxReflections = 4;
         kernel.frame.maxRefractions = 4;
     }
@@ -70,7 +71,8 @@ Followed follow(Bench& bench, const EveryKernel::Surface& s, const Path& p) {
 void randomMaterial(Random& random, Material& m) {
     m = SceneBuilder::defaultMaterial();
     m.baseColor = vec4(1.0f);
-    if (random.below(2)) m.flags |= MATERIAL_PHONG, m.specular = vec4(0.0f), m.mirror = random.below(2) ? random.real(0.0f, 1.0f) : 0.0f;
+    if (random.below(2))
+        m.flags |= MATERIAL_PHONG, m.specular = vec4(0.0f), m.mirror = random.below(2) ? random.real(0.0f, 1.0f) : 0.0f;
     if (random.below(2)) m.flags |= MATERIAL_VOLUME;
     if (random.below(3) == 0) m.flags |= MATERIAL_ALPHA_BLEND, m.baseColor.w = random.real(0.0f, 1.0f);
     m.metallic = random.below(2) ? random.real(0.0f, 1.0f) : 0.0f;
@@ -93,8 +95,9 @@ TEST(Whitted, NoMaterialGainsEnergyUnderAConstantSky) {
         const vec3 total = f.ended + f.weights + bench.kernel.ambientContribution(m, -p.direction, vec3(1.0f));
         ASSERT_TRUE(bench.kernel.isFinite3(total));
         ASSERT_LE(bench.kernel.maxComponent(total), 1.0f + 1e-3f)
-            << "flags " << bench.material.flags << " metallic " << bench.material.metallic << " roughness " << bench.material.roughness
-            << " transmission " << bench.material.transmission << " ior " << bench.material.ior << " mirror " << bench.material.mirror;
+            << "flags " << bench.material.flags << " metallic " << bench.material.metallic << " roughness "
+            << bench.material.roughness << " transmission " << bench.material.transmission << " ior " << bench.material.ior
+            << " mirror " << bench.material.mirror;
         ASSERT_GE(total.x, 0.0f);
     }
 }
@@ -112,7 +115,8 @@ TEST(Whitted, ClearGlassPassesOnAllTheLight) {
                     bench.material.flags = flags;
                     bench.material.ior = ior;
                     const Followed f = follow(bench, flatSurface(side), pathUnder(cosine));
-                    ASSERT_NEAR(f.weights.x + f.ended.x, 1.0f, 1e-6f) << "ior " << ior << " cosine " << cosine << " side " << side;
+                    ASSERT_NEAR(f.weights.x + f.ended.x, 1.0f, 1e-6f)
+                        << "ior " << ior << " cosine " << cosine << " side " << side;
                 }
             }
         }
@@ -264,7 +268,8 @@ TEST(Whitted, ShadowRaysTakeTheColourOfWhatTheyPass) {
     bench.material.flags = MATERIAL_VOLUME;
     bench.material.absorption = vec4(0.5f, 0.5f, 0.5f, 0.0f);
     s.side = -1.0f;
-    EXPECT_NEAR(bench.kernel.surfaceTransmittance(s, vec3(0, 0, 1)).x, 0.2f * 0.96f * std::exp(-1.0f), 1e-5f) << "leaving after 2 m";
+    EXPECT_NEAR(bench.kernel.surfaceTransmittance(s, vec3(0, 0, 1)).x, 0.2f * 0.96f * std::exp(-1.0f), 1e-5f)
+        << "leaving after 2 m";
 }
 
 TEST(Whitted, OcclusionIsTheVisibleShareToItsPower) {

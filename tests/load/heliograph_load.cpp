@@ -34,12 +34,19 @@ void describe(CLI::App& app, Options& o) {
     app.set_version_flag("--version", std::string("heliograph-load ") + programVersion());
     app.add_option("URL", o.plan.url, "Server, such as ws://127.0.0.1:8080/ws or its page's address")->required();
     app.add_option("--viewers", o.plan.viewers, "Viewers at once")->check(CLI::Range(1, 10000))->capture_default_str();
-    app.add_option("--seconds", o.plan.seconds, "Seconds of steady load")->check(CLI::Range(0.1, 86400.0))->capture_default_str();
-    app.add_option("--ramp", o.plan.rampSeconds, "Seconds over which the viewers come")->check(CLI::Range(0.0, 3600.0))->capture_default_str();
-    app.add_option("--inputs", o.plan.inputsPerSecond, "Inputs a second and viewer")->check(CLI::Range(0.1, 1000.0))->capture_default_str();
+    app.add_option("--seconds", o.plan.seconds, "Seconds of steady load")
+        ->check(CLI::Range(0.1, 86400.0))
+        ->capture_default_str();
+    app.add_option("--ramp", o.plan.rampSeconds, "Seconds over which the viewers come")
+        ->check(CLI::Range(0.0, 3600.0))
+        ->capture_default_str();
+    app.add_option("--inputs", o.plan.inputsPerSecond, "Inputs a second and viewer")
+        ->check(CLI::Range(0.1, 1000.0))
+        ->capture_default_str();
     app.add_option("--size", o.size, "Picture, WIDTHxHEIGHT")->capture_default_str();
     app.add_option("--scene", o.plan.scene, "Scene to open; the server's own where not given");
-    app.add_option("--script", o.script, "What the hands do: orbit, path, walk, idle, settings, attacker or mixed")->capture_default_str();
+    app.add_option("--script", o.script, "What the hands do: orbit, path, walk, idle, settings, attacker or mixed")
+        ->capture_default_str();
     app.add_option("--network", o.network, "The line: none, slow, latency, lossy, stalls or close")->capture_default_str();
     app.add_option("--seed", o.plan.seed, "Of the random walks, settings and stalls")->capture_default_str();
     app.add_option("--token-file", o.tokenFile, "File with the server's secret");
@@ -55,7 +62,8 @@ void describe(CLI::App& app, Options& o) {
 std::string firstLine(const std::string& path) {
     std::ifstream file(path);
     std::string line;
-    if (!file || !std::getline(file, line) || line.empty()) throw InputError("--token-file", "'" + path + "' has no first line");
+    if (!file || !std::getline(file, line) || line.empty())
+        throw InputError("--token-file", "'" + path + "' has no first line");
     return line;
 }
 
@@ -80,7 +88,8 @@ void printTable(const LoadResult& result, const std::vector<Verdict>& verdicts) 
     for (const ViewerResult& viewer : result.viewers) {
         for (const std::string& fault : viewer.viewer->faults()) std::printf("fault: %s\n", oneLine(fault).c_str());
     }
-    for (const Verdict& v : verdicts) std::printf("%-7s %s (%.2f)\n", v.met ? "met" : "MISSED", v.requirement.text.c_str(), v.value);
+    for (const Verdict& v : verdicts)
+        std::printf("%-7s %s (%.2f)\n", v.met ? "met" : "MISSED", v.requirement.text.c_str(), v.value);
 }
 
 int run(Options& o) {
@@ -94,18 +103,23 @@ int run(Options& o) {
     judge(requirements, figuresOf({}));  // an unknown figure is refused before the test, not after it
     const bool terminal = isatty(STDERR_FILENO) != 0;
     const auto progress = [&](double gone, double all, size_t ready) {
-        if (terminal) std::fprintf(stderr, "\r\033[K%.0f of about %.0f s, %zu of %u viewers see the scene", gone, all, ready, o.plan.viewers);
+        if (terminal)
+            std::fprintf(stderr, "\r\033[K%.0f of about %.0f s, %zu of %u viewers see the scene", gone, all, ready,
+                         o.plan.viewers);
     };
     const LoadResult result = runLoad(o.plan, progress, stopping);
     if (terminal) std::fputs("\r\033[K", stderr);
     const std::vector<Verdict> verdicts = judge(requirements, figuresOf(result));
-    if (o.json) std::printf("%s\n", reportJson(o.plan, result, verdicts).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    if (o.json)
+        std::printf("%s\n",
+                    reportJson(o.plan, result, verdicts).dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     else printTable(result, verdicts);
     writeText(o.csv, reportCsv(o.plan, result));
     writeText(o.junit, reportJunit(o.plan, result, verdicts));
     writeText(o.html, reportHtml(o.plan, result, verdicts));
     const bool met = std::all_of(verdicts.begin(), verdicts.end(), [](const Verdict& v) { return v.met; });
-    const bool somebody = std::any_of(result.viewers.begin(), result.viewers.end(), [](const ViewerResult& v) { return v.admitted; });
+    const bool somebody =
+        std::any_of(result.viewers.begin(), result.viewers.end(), [](const ViewerResult& v) { return v.admitted; });
     if (!somebody) std::fprintf(stderr, "heliograph-load: no viewer got in at %s\n", o.plan.url.c_str());
     return met && somebody ? 0 : 1;
 }

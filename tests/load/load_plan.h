@@ -31,7 +31,7 @@ NetworkProfile networkOf(const std::string& name);
 /// A figure that the run must reach, such as `p95_ms<=80`.
 struct Requirement {
     std::string text;
-    std::string figure;  // a key of figuresOf (load_report.h)
+    std::string figure;    // a key of figuresOf (load_report.h)
     std::string relation;  // <=, <, ==, >=, >
     double bound = 0.0;
     bool holds(double value) const;
@@ -44,8 +44,8 @@ struct LoadPlan {
     std::string token;
     std::string scene;  // empty: the server's
     uint32_t viewers = 8;
-    double seconds = 10.0;      // of steady load, after everybody had time to connect
-    double rampSeconds = 0.0;   // over which the viewers come
+    double seconds = 10.0;     // of steady load, after everybody had time to connect
+    double rampSeconds = 0.0;  // over which the viewers come
     double inputsPerSecond = 30.0;
     uint32_t width = 320, height = 180;
     Script script = Script::orbit;

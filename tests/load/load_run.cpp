@@ -13,9 +13,9 @@ namespace heliograph::load {
 
 namespace {
 
-constexpr double PATIENCE = 20.0;      // seconds until every viewer has to see the scene
-constexpr double REST = 5.0;           // seconds in which the last input has to be shown
-constexpr double RETRY = 0.5;          // seconds until a viewer who lost the connection comes back
+constexpr double PATIENCE = 20.0;       // seconds until every viewer has to see the scene
+constexpr double REST = 5.0;            // seconds in which the last input has to be shown
+constexpr double RETRY = 0.5;           // seconds until a viewer who lost the connection comes back
 constexpr double MOST_BUFFERED = 0.05;  // seconds of a slow line that we take from the kernel ahead of time
 
 // What came from the server and has not arrived yet, or was said and has not left.
@@ -120,19 +120,14 @@ int Run::callback(lws* socket, lws_callback_reasons reason, Line* line, void* in
             line->closeAt = now() + about(plan_.network.closeAfter);
             line->viewer->opened(now());
             break;
-        case LWS_CALLBACK_CLIENT_RECEIVE:
-            receive(*line, in, length);
-            break;
-        case LWS_CALLBACK_CLIENT_WRITEABLE:
-            return write(*line);
+        case LWS_CALLBACK_CLIENT_RECEIVE: receive(*line, in, length); break;
+        case LWS_CALLBACK_CLIENT_WRITEABLE: return write(*line);
         case LWS_CALLBACK_CLIENT_CONNECTION_ERROR:
             // The server's refusal, or nobody there: the line below says which in the viewer's faults.
             line->result->refused++;
             lost(*line);
             break;
-        case LWS_CALLBACK_CLIENT_CLOSED:
-            lost(*line);
-            break;
+        case LWS_CALLBACK_CLIENT_CLOSED: lost(*line); break;
         default: break;
     }
     return 0;
@@ -194,7 +189,8 @@ void Run::tick(Line& line, bool inputs) {
     while (line.open && !line.arriving.empty() && line.arriving.front().at <= time && time >= line.stalledUntil) {
         const Delayed message = std::move(line.arriving.front());
         line.arriving.pop_front();
-        if (message.binary) line.viewer->takeBinary({reinterpret_cast<const uint8_t*>(message.bytes.data()), message.bytes.size()}, time);
+        if (message.binary)
+            line.viewer->takeBinary({reinterpret_cast<const uint8_t*>(message.bytes.data()), message.bytes.size()}, time);
         else line.viewer->takeText(message.bytes, time);
     }
     line.viewer->tick(time, inputs);
@@ -218,7 +214,8 @@ void Run::turn(bool inputs) {
 void Run::waitForAll() {
     // Who was refused does not come back in time; the others' start does not wait for them.
     while (!stop_ && now() < plan_.rampSeconds + PATIENCE) {
-        const bool all = std::all_of(lines_.begin(), lines_.end(), [](const Line& line) { return line.viewer->ready() || line.result->refused > 0; });
+        const bool all = std::all_of(lines_.begin(), lines_.end(),
+                                     [](const Line& line) { return line.viewer->ready() || line.result->refused > 0; });
         if (all && now() >= plan_.rampSeconds) return;
         turn(true);
     }
@@ -243,7 +240,8 @@ struct Alarm {
 void wake(lws_sorted_usec_list_t* timer) { lws_container_of(timer, Alarm, timer)->set(); }
 
 LoadResult Run::run() {
-    static const lws_protocols protocols[] = {{"load", onEvent, 0, 65536, 0, nullptr, 0}, {nullptr, nullptr, 0, 0, 0, nullptr, 0}};
+    static const lws_protocols protocols[] = {{"load", onEvent, 0, 65536, 0, nullptr, 0},
+                                              {nullptr, nullptr, 0, 0, 0, nullptr, 0}};
     lws_set_log_level(LLL_ERR, nullptr);
     lws_context_creation_info info{};
     info.port = CONTEXT_PORT_NO_LISTEN;

@@ -12,8 +12,8 @@ namespace heliograph::load {
 /// What became of one viewer.
 struct ViewerResult {
     std::unique_ptr<LoadViewer> viewer;
-    uint64_t refused = 0;     // upgrades answered with 503 or another refusal
-    bool admitted = false;    // was connected at least once
+    uint64_t refused = 0;       // upgrades answered with 503 or another refusal
+    bool admitted = false;      // was connected at least once
     bool restedInTime = false;  // its last input was shown within five seconds of the end
 };
 

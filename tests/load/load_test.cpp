@@ -70,7 +70,8 @@ TEST(LoadPlan, ReadsAddresses) {
     EXPECT_EQ(page.path, "/render/ws");
     EXPECT_EQ(addressOf("ws://[::1]:8080").host, "::1");
     EXPECT_EQ(addressOf("ws://[::1]:8080").path, "/ws");
-    for (const char* url : {"", "box", "ftp://box", "ws://", "ws://box:0", "ws://box:70000"}) EXPECT_THROW(addressOf(url), InputError) << url;
+    for (const char* url : {"", "box", "ftp://box", "ws://", "ws://box:0", "ws://box:70000"})
+        EXPECT_THROW(addressOf(url), InputError) << url;
 }
 
 TEST_F(LoadViewerTest, MeasuresFromTheInputToItsPicture) {
@@ -101,7 +102,8 @@ TEST_F(LoadViewerTest, FindsEveryKindOfBrokenPicture) {
     EXPECT_EQ(faultsOf(frame(6, input - 1, picture)), 1u) << "an older input";
     EXPECT_EQ(faultsOf(frame(6, input, picture)), 1u) << "the same frame again";
     EXPECT_EQ(faultsOf(frame(7, input + 9, picture)), 1u) << "an input that was never sent";
-    EXPECT_EQ(faultsOf(frame(8, input + 9, std::span(picture).first(picture.size() / 2))), 2u) << "a cut JPEG, and the input again";
+    EXPECT_EQ(faultsOf(frame(8, input + 9, std::span(picture).first(picture.size() / 2))), 2u)
+        << "a cut JPEG, and the input again";
     EXPECT_EQ(faultsOf(std::vector<uint8_t>(10)), 1u) << "less than a header";
     EXPECT_EQ(viewer.dropped(), 0u);
     viewer.takeBinary(frame(20, input, picture), 2.0);

@@ -82,7 +82,8 @@ void LoadViewer::takeText(const std::string& text, double now) {
         if (type == "hello") schema_ = message.at("schema");
         if (type == "error") {
             refusals_++;
-            if (script_ != Script::attacker && script_ != Script::settings) fault("the server says: " + message.value("message", ""));
+            if (script_ != Script::attacker && script_ != Script::settings)
+                fault("the server says: " + message.value("message", ""));
         }
         if (type != "scene") return;
         if (message.at("state") == "failed") fault("scene: " + message.value("what", ""));
@@ -120,8 +121,12 @@ void LoadViewer::takeBinary(std::span<const uint8_t> bytes, double now) {
     if (frameId_ && header.frameId > *frameId_ + 1) dropped_ += header.frameId - *frameId_ - 1;
     frameId_ = header.frameId;
 
-    Shown shown{.at = now, .render = header.renderMicros * 1e-3f, .encode = (header.developMicros + header.encodeMicros) * 1e-3f,
-                .input = header.inputMicros * 1e-3f, .queue = header.sendMicros * 1e-3f, .bytes = header.payloadBytes};
+    Shown shown{.at = now,
+                .render = header.renderMicros * 1e-3f,
+                .encode = (header.developMicros + header.encodeMicros) * 1e-3f,
+                .input = header.inputMicros * 1e-3f,
+                .queue = header.sendMicros * 1e-3f,
+                .bytes = header.payloadBytes};
     json presented = nullptr;
     const auto sent = inputAt_.find(header.inputId);
     if (header.inputId > shownInput_ && sent != inputAt_.end()) {
@@ -159,8 +164,13 @@ void LoadViewer::sendCamera(double now) {
     const Camera camera = cameraAt(now);
     inputAt_[++inputId_] = now;
     lastInputAt_ = now;
-    say({{"type", "camera"}, {"inputId", inputId_}, {"position", numbers(camera.position)}, {"forward", numbers(camera.forward)},
-         {"up", numbers(camera.up)}, {"fieldOfView", camera.fieldOfView}, {"moving", true}});
+    say({{"type", "camera"},
+         {"inputId", inputId_},
+         {"position", numbers(camera.position)},
+         {"forward", numbers(camera.forward)},
+         {"up", numbers(camera.up)},
+         {"fieldOfView", camera.fieldOfView},
+         {"moving", true}});
 }
 
 void LoadViewer::sendSettings(double now) {

@@ -88,7 +88,8 @@ std::vector<uint32_t> addMaterials(SceneBuilder& builder, const Textures& t) {
     add("index one", [&](Material& m) { glass(m), m.ior = 1.0f; });
     add("less than air", [&](Material& m) { glass(m), m.ior = 0.8f; });
     add("leaf", [&](Material& m) { m.flags |= MATERIAL_ALPHA_MASK, m.baseTexture = t.nearest; });
-    add("map_d", [&](Material& m) { phong(m), m.flags |= MATERIAL_ALPHA_MASK | MATERIAL_OPACITY_RED, m.opacityTexture = t.linear; });
+    add("map_d",
+        [&](Material& m) { phong(m), m.flags |= MATERIAL_ALPHA_MASK | MATERIAL_OPACITY_RED, m.opacityTexture = t.linear; });
     add("veil", [&](Material& m) { m.flags |= MATERIAL_ALPHA_BLEND, m.baseTexture = t.alpha; });
     add("film", [](Material& m) { m.flags |= MATERIAL_ALPHA_BLEND, m.baseColor.w = 0.3f; });
     add("lamp", [&](Material& m) { m.emission = vec4(2.0f, 1.0f, 0.5f, 0.0f), m.emissionTexture = t.colour; });
@@ -104,7 +105,9 @@ MeshData decorated(Random& random, uint32_t material, bool colours) {
     for (vec3 p : mesh.positions) {
         mesh.uv0.emplace_back(p.x * 1.5f + p.z, p.y * 2.0f);
         mesh.uv1.emplace_back(p.y, p.z - p.x);
-        if (colours) mesh.colors.emplace_back(random.real(0.2f, 1.0f), random.real(0.2f, 1.0f), random.real(0.2f, 1.0f), random.real(0.6f, 1.0f));
+        if (colours)
+            mesh.colors.emplace_back(random.real(0.2f, 1.0f), random.real(0.2f, 1.0f), random.real(0.2f, 1.0f),
+                                     random.real(0.6f, 1.0f));
     }
     return mesh;
 }
@@ -152,7 +155,9 @@ std::shared_ptr<const Scene> materialZoo() {
     const Textures textures = addTextures(builder, random);
     const std::vector<uint32_t> materials = addMaterials(builder, textures);
     builder.addInstance(builder.addMesh(panel(vec3(-1, 0, 11), vec3(12, 0, 0), vec3(0, 0, -12), materials[1])), mat4(1.0f));
-    const auto placeAt = [&](size_t i) { return glm::translate(mat4(1.0f), vec3(float(i % 8) * 1.3f, 0.8f, float(i / 8) * 1.4f)); };
+    const auto placeAt = [&](size_t i) {
+        return glm::translate(mat4(1.0f), vec3(float(i % 8) * 1.3f, 0.8f, float(i / 8) * 1.4f));
+    };
     size_t place = 0;
     for (size_t i = 0; i < materials.size(); i++) {
         const uint32_t mesh = builder.addMesh(decorated(random, materials[i], i % 2 == 0));

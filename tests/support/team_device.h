@@ -15,10 +15,13 @@ public:
     DeviceInfo info() const override;
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override;
     void warmUp(const FrameRequest&) override;
-    Warmth warmth(const FrameRequest&) const override { return !cold ? Warmth::warm : standsBy ? Warmth::lukewarm : Warmth::cold; }
+    Warmth warmth(const FrameRequest&) const override {
+        return !cold ? Warmth::warm : standsBy ? Warmth::lukewarm : Warmth::cold;
+    }
     void standBy() override { standBys++; }
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override;
-    void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override;
+    void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                      std::stop_token stop) override;
 
     /// Calls wait before the next tile until `release`; they do not even listen to `stop`.
     void hold();
@@ -30,15 +33,15 @@ public:
     std::vector<std::vector<uvec2>> asked();
     void forgetAsked();
 
-    std::atomic<int> throwAfter{-1};       // tiles, over all calls
-    std::atomic<bool> leavesOut{false};    // the last tile of each call
+    std::atomic<int> throwAfter{-1};     // tiles, over all calls
+    std::atomic<bool> leavesOut{false};  // the last tile of each call
     std::atomic<bool> everyTwice{false};
-    std::atomic<bool> wrongSizes{false};   // its tiles are half of what was asked for
-    std::atomic<double> stamp{1e-4};       // seconds that it claims for a tile
-    std::atomic<int> spins{0};             // work a tile
+    std::atomic<bool> wrongSizes{false};  // its tiles are half of what was asked for
+    std::atomic<double> stamp{1e-4};      // seconds that it claims for a tile
+    std::atomic<int> spins{0};            // work a tile
     std::atomic<bool> failsToLoad{false};
-    std::atomic<bool> cold{false};         // until it is warmed up
-    std::atomic<bool> standsBy{false};     // serves when cold, too
+    std::atomic<bool> cold{false};      // until it is warmed up
+    std::atomic<bool> standsBy{false};  // serves when cold, too
     std::atomic<uint32_t> tiles{0}, calls{0}, loads{0}, warmUps{0}, standBys{0};
 
 private:

@@ -11,8 +11,7 @@ namespace heliograph::test {
 MeshData square(uint32_t material = 0);
 
 /// One square with what `change` makes of the default material, named `name`, a directional light, no camera path.
-std::shared_ptr<const Scene> squareScene(const std::function<void(Material&)>& change = {},
-                                         const std::string& name = "paint");
+std::shared_ptr<const Scene> squareScene(const std::function<void(Material&)>& change = {}, const std::string& name = "paint");
 
 /// A builder that holds nothing but a directional light along -z.
 SceneBuilder litBuilder(const std::string& name = "test");

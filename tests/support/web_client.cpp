@@ -84,8 +84,10 @@ HttpAnswer WebClient::get(const std::string& path, const std::string& headers) {
 }
 
 HttpAnswer WebClient::upgrade(const std::string& headers, const std::string& path) {
-    return get(path, "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" + headers);
+    return get(path,
+               "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+               "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+                   headers);
 }
 
 void WebClient::sendFrame(int opcode, const std::string& bytes, bool last) {

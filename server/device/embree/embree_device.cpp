@@ -63,8 +63,8 @@ public:
     DeviceInfo info() const override {
         DeviceInfo info;
         info.name = "embree";
-        info.details = "Embree " RTC_VERSION_STRING ", packets of " + std::to_string(width_) + ", shading built for x86-64-"
-                       + tileProgramTable().instructionSet;
+        info.details = "Embree " RTC_VERSION_STRING ", packets of " + std::to_string(width_) + ", shading built for x86-64-" +
+                       tileProgramTable().instructionSet;
         for (const std::string& name : effectNames({tileProgramTable().leftOut})) info.details += ", without " + name;
         info.silicon = "cpu";
         info.workers = static_cast<uint32_t>(tbb::this_task_arena::max_concurrency());
@@ -88,8 +88,7 @@ public:
         return result;
     }
 
-    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
-                std::stop_token stop) override {
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         Frame frame(*this, request);
         inArena(request.settings.embreeThreads, [&] { renderTiles(frame, tiles, sink, stop); });
     }
@@ -114,7 +113,8 @@ private:
     /// What the tiles of one call have in common.
     struct Frame {
         Frame(EmbreeDevice& device, const FrameRequest& request)
-            : scene(device.sceneFor(request.settings)), constants(frameConstants(scene->scene(), request)),
+            : scene(device.sceneFor(request.settings)),
+              constants(frameConstants(scene->scene(), request)),
               program(chooseTileProgram(tileProgramTable(), request.effects.bits)) {
             job.rtcScene = scene->target();
             job.view = &scene->view();
@@ -164,7 +164,8 @@ private:
         int count = threads == 0 ? tbb::this_task_arena::max_concurrency() : static_cast<int>(threads);
         tbb::task_arena arena(count);
         arena.execute([&] {
-            tbb::parallel_for(0, count, [&](int) { work(); }, tbb::simple_partitioner());
+            tbb::parallel_for(
+                0, count, [&](int) { work(); }, tbb::simple_partitioner());
         });
     }
 
@@ -180,7 +181,8 @@ private:
         auto found = std::ranges::find(built_, key, &Built::first);
         if (found == built_.end()) {
             if (built_.size() == MOST_TREES) built_.pop_back();
-            built_.insert(built_.begin(), {key, std::make_shared<EmbreeScene>(device_.get(), scene_, key.first, key.second, progress)});
+            built_.insert(built_.begin(),
+                          {key, std::make_shared<EmbreeScene>(device_.get(), scene_, key.first, key.second, progress)});
         } else {
             std::rotate(built_.begin(), found, found + 1);
         }
@@ -192,7 +194,7 @@ private:
     std::mutex mutex_;
     std::shared_ptr<const Scene> scene_;
     using Built = std::pair<std::pair<uint32_t, bool>, std::shared_ptr<EmbreeScene>>;  // quality and robustness
-    std::vector<Built> built_;  // used last first
+    std::vector<Built> built_;                                                         // used last first
     tbb::enumerable_thread_specific<Worker> workers_;
 };
 

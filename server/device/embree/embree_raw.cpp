@@ -81,8 +81,10 @@ void makeOcclusion(RayKernel& k, const std::vector<OcclusionPoint>& points, RayL
                 const OcclusionPoint& p = points[i];
                 vec3 t, b;
                 k.orthonormalBasis(p.normal, t, b);
-                list.push(p.origin, k.occlusionDirection(k.scene.sobol[k.occlusionNumber(0, index)], p.shift, p.normal,
-                                                         p.geometricNormal, t, b), k.frame.aoDistance);
+                list.push(p.origin,
+                          k.occlusionDirection(k.scene.sobol[k.occlusionNumber(0, index)], p.shift, p.normal, p.geometricNormal,
+                                               t, b),
+                          k.frame.aoDistance);
             }
         }
 }
@@ -153,11 +155,11 @@ void EmbreeRaw::prepare(std::shared_ptr<const Scene> scene, const FrameRequest& 
 }
 
 BareTime EmbreeRaw::trace(RayKind kind) {
-    const RayList& list = kind == RayKind::primary ? data_->primary
-                          : kind == RayKind::shadow ? data_->shadow : data_->occlusion;
+    const RayList& list = kind == RayKind::primary  ? data_->primary
+                          : kind == RayKind::shadow ? data_->shadow
+                                                    : data_->occlusion;
     bool closest = kind == RayKind::primary;
-    bool coherent = closest ? data_->scene->coherentPrimary()
-                            : kind == RayKind::shadow && data_->scene->coherentShadows();
+    bool coherent = closest ? data_->scene->coherentPrimary() : kind == RayKind::shadow && data_->scene->coherentShadows();
     TraceMode mode{data_->width, coherent};
     const TraceTarget scene = data_->scene->target();
     std::atomic<uint64_t> found{0};

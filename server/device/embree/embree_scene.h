@@ -30,8 +30,7 @@ class EmbreeScene {
 public:
     /// Builds the tree. quality: 0 low, 1 medium, 2 high. Throws std::runtime_error when Embree refuses, and what
     /// `progress` throws.
-    EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, uint32_t quality, bool robust,
-                const Progress& progress);
+    EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, uint32_t quality, bool robust, const Progress& progress);
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
 

@@ -21,8 +21,7 @@ public:
         for (; bits; bits &= bits - 1) {
             int i = __builtin_ctz(bits);
             uint32_t number = arena_.occlusionCount++;
-            if (number / PACKET >= arena_.occlusion.capacity)
-                arena_.occlusion.reserve(BLOCK_LANES / PACKET, number / PACKET);
+            if (number / PACKET >= arena_.occlusion.capacity) arena_.occlusion.reserve(BLOCK_LANES / PACKET, number / PACKET);
             OcclusionGroup& to = arena_.occlusion.data[number / PACKET];
             uint32_t at = number % PACKET;
             putVector(to.origin, at, origin, i);

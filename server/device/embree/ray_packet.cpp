@@ -40,9 +40,11 @@ struct alignas(64) ValidMask {
             const __m128 end = _mm_load_ps(rays.tfar + i);
             const __m128 near = _mm_cmple_ps(sumOfSizes(rays.org_x + i, rays.org_y + i, rays.org_z + i), reach);
             const __m128 unit = _mm_cmple_ps(sumOfSizes(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i), longest);
-            const __m128i asked = _mm_cmplt_epi32(_mm_add_epi32(_mm_setr_epi32(0, 1, 2, 3), _mm_set1_epi32(static_cast<int>(i))),
-                                                  _mm_set1_epi32(static_cast<int>(count)));
-            const __m128 valid = _mm_and_ps(_mm_and_ps(near, unit), _mm_and_ps(_mm_cmpord_ps(end, end), _mm_castsi128_ps(asked)));
+            const __m128i asked =
+                _mm_cmplt_epi32(_mm_add_epi32(_mm_setr_epi32(0, 1, 2, 3), _mm_set1_epi32(static_cast<int>(i))),
+                                _mm_set1_epi32(static_cast<int>(count)));
+            const __m128 valid =
+                _mm_and_ps(_mm_and_ps(near, unit), _mm_and_ps(_mm_cmpord_ps(end, end), _mm_castsi128_ps(asked)));
             _mm_store_ps(reinterpret_cast<float*>(lane + i), valid);
             bits |= static_cast<uint32_t>(_mm_movemask_ps(valid)) << i;
         }
@@ -129,7 +131,8 @@ void closestSingle(const TraceTarget& target, RTCRayHit16& packet, uint32_t coun
 }
 
 template <uint32_t W, typename Narrow, typename Function>
-uint32_t occludedNarrow(const TraceTarget& target, const RTCRay16& packet, uint32_t count, TraceContext& context, Function occluded) {
+uint32_t occludedNarrow(const TraceTarget& target, const RTCRay16& packet, uint32_t count, TraceContext& context,
+                        Function occluded) {
     const ValidMask valid(target, packet, count);
     uint32_t blocked = 0;
     for (uint32_t first = 0; first < count; first += W) {
@@ -182,7 +185,8 @@ void traceClosest(const TraceTarget& target, RTCRayHit16& packet, uint32_t count
     }
 }
 
-uint32_t traceOccluded(const TraceTarget& target, RTCRay16& packet, uint32_t count, TraceMode mode, uint32_t& passedTransparent) {
+uint32_t traceOccluded(const TraceTarget& target, RTCRay16& packet, uint32_t count, TraceMode mode,
+                       uint32_t& passedTransparent) {
     TraceContext context = makeContext(packet, mode.coherent);
     uint32_t blocked = 0;
     if (mode.width == 16) {

@@ -19,7 +19,7 @@ struct TraceContext {
 /// What rays are traced against, and which rays may be: Embree ends the process over others.
 struct TraceTarget {
     RTCScene scene = nullptr;
-    float rayReach = 0.0f;          // Scene::rayReach
+    float rayReach = 0.0f;            // Scene::rayReach
     uint64_t* untraceable = nullptr;  // counts the rays that were left out, which meet nothing; may be null
 };
 
@@ -56,6 +56,7 @@ void traceClosest(const TraceTarget& target, RTCRayHit16& packet, uint32_t count
 
 /// Any-hit test of the first `count` rays: bit per ray that is blocked by something opaque. `passedTransparent`: bit per
 /// ray that met a transparent surface on its way.
-uint32_t traceOccluded(const TraceTarget& target, RTCRay16& packet, uint32_t count, TraceMode mode, uint32_t& passedTransparent);
+uint32_t traceOccluded(const TraceTarget& target, RTCRay16& packet, uint32_t count, TraceMode mode,
+                       uint32_t& passedTransparent);
 
 }  // namespace heliograph

@@ -35,8 +35,7 @@ public:
     }
 
 private:
-    HELIOGRAPH_INLINE void push(ShadowQueue& queue, const Group& g, uint32_t bits, const RayLanes& ray,
-                                      Vec3 contribution) {
+    HELIOGRAPH_INLINE void push(ShadowQueue& queue, const Group& g, uint32_t bits, const RayLanes& ray, Vec3 contribution) {
         const uint32_t full = LANES >= 32 ? ~0u : (1u << LANES) - 1u;
         if (bits == full && queue.count % LANES == 0) {
             RTCRay16& packet = queue.packets.data[queue.count / PACKET];

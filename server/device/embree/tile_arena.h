@@ -172,8 +172,8 @@ struct Arena {
 struct Group {
     Uint lane;
     uint32_t count;
-    uint32_t first;    // lane of the first
-    bool contiguous;   // lanes first, first + 1, ...
+    uint32_t first;   // lane of the first
+    bool contiguous;  // lanes first, first + 1, ...
 
     static HELIOGRAPH_INLINE Group of(const uint16_t* lanes, uint32_t count) {
         Group g;

@@ -36,8 +36,8 @@ public:
 
 /// A program that can be made.
 struct TileProgramRow {
-    uint32_t effects;            // EFFECT_* bits that it can do
-    TileProgram* (*make)();      // caller owns
+    uint32_t effects;        // EFFECT_* bits that it can do
+    TileProgram* (*make)();  // caller owns
 };
 
 /// The programs compiled for one instruction set.
@@ -45,7 +45,8 @@ struct TileProgramTable {
     const char* instructionSet;
     const TileProgramRow* rows;
     uint32_t count;
-    uint32_t leftOut;  // EFFECT_* bits that no row has code for, whatever it says (HELIOGRAPH_WITHOUT_EFFECTS of CMakeLists.txt)
+    uint32_t
+        leftOut;  // EFFECT_* bits that no row has code for, whatever it says (HELIOGRAPH_WITHOUT_EFFECTS of CMakeLists.txt)
 };
 
 /// What transparent surfaces leave of the light along a shadow ray that nothing opaque blocks. Walks from surface to

@@ -9,9 +9,15 @@
 
 namespace heliograph {
 
-namespace lanes_v2 { extern const TileProgramTable PROGRAM_TABLE; }
-namespace lanes_v3 { extern const TileProgramTable PROGRAM_TABLE; }
-namespace lanes_v4 { extern const TileProgramTable PROGRAM_TABLE; }
+namespace lanes_v2 {
+extern const TileProgramTable PROGRAM_TABLE;
+}
+namespace lanes_v3 {
+extern const TileProgramTable PROGRAM_TABLE;
+}
+namespace lanes_v4 {
+extern const TileProgramTable PROGRAM_TABLE;
+}
 
 namespace {
 
@@ -38,8 +44,8 @@ uint32_t chooseTileProgram(const TileProgramTable& table, uint32_t effects) {
         throw std::runtime_error("embree: this build was made without" + names);
     }
     for (uint32_t i = 0; i < table.count; i++)
-        if ((effects & ~table.rows[i].effects) == 0
-            && std::popcount(table.rows[i].effects) < std::popcount(table.rows[best].effects))
+        if ((effects & ~table.rows[i].effects) == 0 &&
+            std::popcount(table.rows[i].effects) < std::popcount(table.rows[best].effects))
             best = i;
     return best;
 }

@@ -16,7 +16,11 @@ public:
     using Arrival = typename KernelType::Arrival;
 
     TileTracer(TileJob& job, Arena& arena)
-        : job_(job), arena_(arena), kernel_{*job.view, *job.frame}, shadows_(job, arena, kernel_), occlusion_(job, arena, kernel_) {}
+        : job_(job),
+          arena_(arena),
+          kernel_{*job.view, *job.frame},
+          shadows_(job, arena, kernel_),
+          occlusion_(job, arena, kernel_) {}
 
     void render() {
         const Tile& tile = job_.tile;
@@ -126,8 +130,7 @@ private:
 
     // Camera rays and the shadow rays at their hits go through like space together; the others don't.
     TraceMode mode() const {
-        return {secondary_ ? job_.options.secondaryWidth : job_.options.primaryWidth,
-                !secondary_ && job_.coherentPrimary};
+        return {secondary_ ? job_.options.secondaryWidth : job_.options.primaryWidth, !secondary_ && job_.coherentPrimary};
     }
 
     void traceActive() {
@@ -178,7 +181,8 @@ private:
         }
         for (uint32_t i = 0; i < arena_.activeCount; i++)
             count(arena_.path.depth[arena_.active[i]] >> 24 == KernelType::RAY_REFLECTION ? RayKind::reflection
-                                                                                        : RayKind::refraction, 1);
+                                                                                          : RayKind::refraction,
+                  1);
     }
 
     void fillPacket(RTCRay16& rays, const uint16_t* lanes, uint32_t count) {
@@ -268,7 +272,8 @@ private:
             int i = __builtin_ctz(some);
             uint32_t next = a.next.v[i];
             uint32_t lane = g.lane.v[i];
-#define PUSH(bit, path) if (next & KernelType::bit) storeLane(arena_.stacks.push(lane), a.path, i);
+#define PUSH(bit, path) \
+    if (next & KernelType::bit) storeLane(arena_.stacks.push(lane), a.path, i);
             FOR_NEXT_PATHS(PUSH)
 #undef PUSH
         }
@@ -310,8 +315,8 @@ private:
                 uint32_t x = arena_.pixelX[lane] - job_.tile.origin.x;
                 uint32_t row = arena_.pixelY[lane] - job_.tile.origin.y;
                 float* sum = &job_.radianceSum[size_t(row) * job_.tile.size.x + x].x;
-                __m128 add = _mm_setr_ps(arena_.radiance[0][lane], arena_.radiance[1][lane], arena_.radiance[2][lane],
-                                         squared[i]);
+                __m128 add =
+                    _mm_setr_ps(arena_.radiance[0][lane], arena_.radiance[1][lane], arena_.radiance[2][lane], squared[i]);
                 _mm_storeu_ps(sum, _mm_add_ps(_mm_loadu_ps(sum), add));
             }
         }

@@ -38,12 +38,12 @@ AzimuthWeights azimuthWeights(double from, double to) {
 /// Adds a row between the polar angles `from` and `to`: x = sin t sin p, y = cos t, z = -sin t cos p.
 void addRow(Moments& m, const RowSums& row, double from, double to) {
     const double c0 = std::cos(from), c1 = std::cos(to), s0 = std::sin(from), s1 = std::sin(to);
-    const double area = c0 - c1;                                                            // sin
-    const double cosine = (s1 * s1 - s0 * s0) / 2.0;                                        // cos sin
+    const double area = c0 - c1;                                                                 // sin
+    const double cosine = (s1 * s1 - s0 * s0) / 2.0;                                             // cos sin
     const double sine2 = (to - from) / 2.0 - (std::sin(2.0 * to) - std::sin(2.0 * from)) / 4.0;  // sin^2
-    const double cosine2 = (c0 * c0 * c0 - c1 * c1 * c1) / 3.0;                             // cos^2 sin
-    const double sine2cosine = (s1 * s1 * s1 - s0 * s0 * s0) / 3.0;                         // sin^2 cos
-    const double sine3 = area - cosine2;                                                    // sin^3
+    const double cosine2 = (c0 * c0 * c0 - c1 * c1 * c1) / 3.0;                                  // cos^2 sin
+    const double sine2cosine = (s1 * s1 * s1 - s0 * s0 * s0) / 3.0;                              // sin^2 cos
+    const double sine3 = area - cosine2;                                                         // sin^3
     m[0] += row[ONE] * area;
     m[1] += row[ONE] * cosine;
     m[2] -= row[COS] * sine2;
@@ -96,8 +96,7 @@ void ambientFromImage(Environment& environment, const ImageData& image) {
         rows[y] = sums;
     });
     Moments moments{};
-    for (uint32_t y = 0; y < image.height; y++)
-        addRow(moments, rows[y], PI * y / image.height, PI * (y + 1.0) / image.height);
+    for (uint32_t y = 0; y < image.height; y++) addRow(moments, rows[y], PI * y / image.height, PI * (y + 1.0) / image.height);
     for (int i = 0; i < 9; i++) {
         const dvec3 coefficient = moments[i] * (foldedConstant(i) * environment.intensity);
         environment.ambient[i] = vec4(vec3(coefficient), 0.0f);

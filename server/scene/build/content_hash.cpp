@@ -33,9 +33,8 @@ uint64_t hashChunk(const unsigned char* bytes, size_t length) {
 uint64_t hashBytes(uint64_t hash, const void* data, size_t length) {
     const auto* bytes = static_cast<const unsigned char*>(data);
     std::vector<uint64_t> parts((length + CHUNK - 1) / CHUNK);
-    tbb::parallel_for(size_t(0), parts.size(), [&](size_t i) {
-        parts[i] = hashChunk(bytes + i * CHUNK, std::min(CHUNK, length - i * CHUNK));
-    });
+    tbb::parallel_for(size_t(0), parts.size(),
+                      [&](size_t i) { parts[i] = hashChunk(bytes + i * CHUNK, std::min(CHUNK, length - i * CHUNK)); });
     hash = combine(hash, length);
     for (uint64_t part : parts) hash = combine(hash, part);
     return hash;

@@ -56,10 +56,10 @@ struct PlacedCopy {
 /// One copy of a mesh in the scene's arrays.
 struct Copy {
     const MeshData* mesh = nullptr;
-    Placement placement;                     // identity where the copy stays in object space
+    Placement placement;  // identity where the copy stays in object space
     uint64_t firstVertex = 0;
-    std::array<uint64_t, 3> triangles{};     // by opacity class
-    std::array<uint64_t, 3> firstTriangle{}; // by opacity class
+    std::array<uint64_t, 3> triangles{};      // by opacity class
+    std::array<uint64_t, 3> firstTriangle{};  // by opacity class
 };
 
 class Assembler {
@@ -171,16 +171,15 @@ private:
 
     /// Exact, but for crowds of instances: those take the corners of the mesh's own box.
     Bounds instanceBounds(const MeshData& mesh, const Placement& placement, uint32_t uses) {
-        if (static_cast<uint64_t>(uses) * mesh.positions.size() < uint64_t(1) << 26)
-            return boundsOf(mesh.positions, placement);
+        if (static_cast<uint64_t>(uses) * mesh.positions.size() < uint64_t(1) << 26) return boundsOf(mesh.positions, placement);
         if (&mesh != boxed_) {
             boxed_ = &mesh;
             box_ = boundsOf(mesh.positions, Placement{});
         }
         Bounds bounds;
         for (int i = 0; i < 8; i++) {
-            bounds.grow(vec3(placement.point(vec3(i & 1 ? box_.high.x : box_.low.x, i & 2 ? box_.high.y : box_.low.y,
-                                                  i & 4 ? box_.high.z : box_.low.z))));
+            bounds.grow(vec3(placement.point(
+                vec3(i & 1 ? box_.high.x : box_.low.x, i & 2 ? box_.high.y : box_.low.y, i & 4 ? box_.high.z : box_.low.z))));
         }
         return bounds;
     }
@@ -288,8 +287,7 @@ private:
         const MeshData& mesh = *copy.mesh;
         const Placement& placement = copy.placement;
         const size_t at = copy.firstVertex + i;
-        scene_.positions[at] =
-            vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), 0.0f);
+        scene_.positions[at] = vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), 0.0f);
         VertexAttributes attributes{};
         attributes.normal = placement.identity ? mesh.normals[i] : vec3(placement.normal(mesh.normals[i]));
         if (!mesh.uv0.empty()) attributes.u0 = mesh.uv0[i].x, attributes.v0 = mesh.uv0[i].y;
@@ -326,8 +324,7 @@ private:
 
     void placeInstances() {
         for (uint32_t mesh : bakedMesh_) {
-            if (mesh != NO_INDEX)
-                scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
+            if (mesh != NO_INDEX) scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
         }
         for (const auto& [shared, placement, source] : instances_) {
             for (uint32_t mesh : sharedMesh_[shared]) {
@@ -339,8 +336,8 @@ private:
 
     void report() {
         if (dropped_ > 0) {
-            addWarning(draft_, std::to_string(dropped_) +
-                                   " instances were left out: their transform is not finite or leaves no area");
+            addWarning(draft_,
+                       std::to_string(dropped_) + " instances were left out: their transform is not finite or leaves no area");
         }
         if (!scene_.bounds.empty()) return;
         addWarning(draft_, "the scene has no triangles");
@@ -353,7 +350,7 @@ private:
     const std::vector<uint32_t>& opacity_;
     std::vector<Copy> baked_;
     std::vector<Copy> shared_;
-    std::vector<uint32_t> sharedIndex_;                       // draft mesh -> shared_
+    std::vector<uint32_t> sharedIndex_;  // draft mesh -> shared_
     std::vector<PlacedCopy> instances_;
     std::array<uint32_t, 3> bakedMesh_{NO_INDEX, NO_INDEX, NO_INDEX};
     std::vector<std::array<uint32_t, 3>> sharedMesh_;
@@ -367,9 +364,7 @@ private:
 }  // namespace
 
 std::vector<uint32_t> opacityClasses(const Scene& scene, const std::vector<bool>& imageHasAlpha) {
-    const auto hasAlpha = [&](uint32_t texture) {
-        return texture != NO_INDEX && imageHasAlpha[scene.textures[texture].image];
-    };
+    const auto hasAlpha = [&](uint32_t texture) { return texture != NO_INDEX && imageHasAlpha[scene.textures[texture].image]; };
     std::vector<uint32_t> classes;
     for (const Material& m : scene.materials) {
         uint32_t opacity = OPACITY_OPAQUE;

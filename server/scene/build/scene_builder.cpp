@@ -166,8 +166,7 @@ uint32_t SceneBuilder::addMesh(MeshData mesh) {
 
 void SceneBuilder::addInstance(uint32_t mesh, const mat4& toWorld, const std::string& name) {
     if (mesh >= data_->meshes.size())
-        throw std::logic_error("instance of mesh " + std::to_string(mesh) + " of " +
-                               std::to_string(data_->meshes.size()));
+        throw std::logic_error("instance of mesh " + std::to_string(mesh) + " of " + std::to_string(data_->meshes.size()));
     data_->placed.push_back({mesh, toWorld, name});
 }
 
@@ -208,8 +207,7 @@ std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
     if (scene.cameras.empty()) scene.cameras.push_back(defaultCamera(scene));
     scene.aoRadius = draft.aoRadius.value_or(0.1f * scene.bounds.radius());
     if (!(scene.aoRadius > 0.0f)) scene.aoRadius = 0.1f;
-    if (draft.warningsLeftOut > 0)
-        scene.warnings.push_back("and " + std::to_string(draft.warningsLeftOut) + " more warnings");
+    if (draft.warningsLeftOut > 0) scene.warnings.push_back("and " + std::to_string(draft.warningsLeftOut) + " more warnings");
     scene.contentHash = contentHashOf(scene);
     return std::make_shared<const Scene>(std::move(scene));
 }

@@ -21,19 +21,19 @@ struct MeshData {
     std::vector<vec3> normals;
     std::vector<vec2> uv0;
     std::vector<vec2> uv1;
-    std::vector<vec4> tangents;      // w = handedness
-    std::vector<vec4> colors;        // linear RGBA, 0..1
+    std::vector<vec4> tangents;  // w = handedness
+    std::vector<vec4> colors;    // linear RGBA, 0..1
     std::vector<uvec3> indices;
-    std::vector<uint32_t> materials; // one per triangle, or empty: all material 0 (the default)
+    std::vector<uint32_t> materials;  // one per triangle, or empty: all material 0 (the default)
 };
 
 /// Pixels of an image before mip maps. Row-major, top row first.
 struct ImageData {
     uint32_t width = 0;
     uint32_t height = 0;
-    bool srgb = true;             // rgba8 holds sRGB-coded colour
-    std::vector<uint8_t> rgba8;   // width * height * 4, or empty
-    std::vector<float> rgb32f;    // width * height * 3 for HDR, or empty
+    bool srgb = true;            // rgba8 holds sRGB-coded colour
+    std::vector<uint8_t> rgba8;  // width * height * 4, or empty
+    std::vector<float> rgb32f;   // width * height * 3 for HDR, or empty
     std::string name;
 };
 

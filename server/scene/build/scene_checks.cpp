@@ -150,19 +150,19 @@ void checkLights(SceneDraft& draft) {
 
 void checkCameras(SceneDraft& draft) {
     const size_t dropped = dropUnless(draft.scene.cameras, repairCamera);
-    if (dropped > 0)
-        addWarning(draft, std::to_string(dropped) + " cameras were left out: not finite or without direction");
+    if (dropped > 0) addWarning(draft, std::to_string(dropped) + " cameras were left out: not finite or without direction");
     const Bounds range = draft.scene.cameraRange();
     dropUnless(draft.scene.cameras, [&](const NamedCamera& camera) {
         if (inside(range, camera.position)) return true;
-        addWarning(draft, "camera '" + camera.name + "' was left out: position " + shown(camera.position) + "; allowed: " +
-                              shown(range.low) + " to " + shown(range.high));
+        addWarning(draft, "camera '" + camera.name + "' was left out: position " + shown(camera.position) +
+                              "; allowed: " + shown(range.low) + " to " + shown(range.high));
         return false;
     });
     const size_t paths = dropUnless(draft.scene.paths, [&](const CameraPath& path) {
         return path.keys.size() >= 2 && path.seconds > 0.0f && std::isfinite(path.seconds) &&
-               std::all_of(path.keys.begin(), path.keys.end(),
-                           [&](const CameraPath::Key& key) { return inside(range, key.position) && inside(range, key.target); });
+               std::all_of(path.keys.begin(), path.keys.end(), [&](const CameraPath::Key& key) {
+                   return inside(range, key.position) && inside(range, key.target);
+               });
     });
     if (paths > 0)
         addWarning(draft, std::to_string(paths) + " camera paths were left out: fewer than 2 keys, not finite or too far away");

@@ -37,8 +37,7 @@ dvec3 Placement::normal(vec3 n) const {
 
 bool Placement::collapsed() const {
     // The cofactor's columns are the cross products of the linear part's: all zero when its columns are parallel.
-    const double size =
-        glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]);
+    const double size = glm::dot(linear[0], linear[0]) + glm::dot(linear[1], linear[1]) + glm::dot(linear[2], linear[2]);
     const double area = glm::length(cofactor[0]) + glm::length(cofactor[1]) + glm::length(cofactor[2]);
     return !(area > size * 1e-12);
 }
@@ -47,8 +46,8 @@ Placement placementOf(const mat4& toWorld) {
     Placement p;
     for (int c = 0; c < 3; c++) p.linear[c] = dvec3(toWorld[c].x, toWorld[c].y, toWorld[c].z);
     p.offset = dvec3(toWorld[3].x, toWorld[3].y, toWorld[3].z);
-    p.finite = finiteMatrix(p.linear) && std::abs(p.offset.x) <= 1e30 && std::abs(p.offset.y) <= 1e30 &&
-               std::abs(p.offset.z) <= 1e30;
+    p.finite =
+        finiteMatrix(p.linear) && std::abs(p.offset.x) <= 1e30 && std::abs(p.offset.y) <= 1e30 && std::abs(p.offset.z) <= 1e30;
     p.identity = p.linear == dmat3(1.0) && p.offset == dvec3(0.0);
     const dvec3 a = p.linear[0], b = p.linear[1], c = p.linear[2];
     p.cofactor = dmat3(glm::cross(b, c), glm::cross(c, a), glm::cross(a, b));
@@ -64,7 +63,8 @@ bool traceable(const Placement& p, float rayReach) {
     const dmat3 inverse = glm::transpose(p.cofactor) / p.determinant;
     const dvec3 back = glm::abs(inverse * p.offset);
     double largest = 0.0;  // factor of a coordinate
-    for (int c = 0; c < 3; c++) largest = std::max({largest, std::abs(inverse[c].x), std::abs(inverse[c].y), std::abs(inverse[c].z)});
+    for (int c = 0; c < 3; c++)
+        largest = std::max({largest, std::abs(inverse[c].x), std::abs(inverse[c].y), std::abs(inverse[c].z)});
     // Directions are shorter than 2 in the sum that rayReach bounds for origins.
     return largest * std::max(double(rayReach), 2.0) + std::max({back.x, back.y, back.z}) <= LARGEST_COORDINATE;
 }

@@ -15,7 +15,7 @@ using glm::dvec3;
 struct Placement {
     dmat3 linear{1.0};
     dvec3 offset{0.0};
-    dmat3 cofactor{1.0};   // transforms normals, also where the determinant is 0
+    dmat3 cofactor{1.0};  // transforms normals, also where the determinant is 0
     double determinant = 1.0;
     bool identity = true;
     bool finite = true;

@@ -29,9 +29,7 @@ std::array<int8_t, 256> base64Table() {
 }
 
 /// For messages: one line, not too long.
-std::string shown(const std::string& text) {
-    return "'" + text.substr(0, 120) + (text.size() > 120 ? "..." : "") + "'";
-}
+std::string shown(const std::string& text) { return "'" + text.substr(0, 120) + (text.size() > 120 ? "..." : "") + "'"; }
 
 bool isInside(const fs::path& path, const fs::path& folder) {
     return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
@@ -53,8 +51,7 @@ std::vector<uint8_t> readFile(const fs::path& path, uint64_t mostBytes) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
     if (!file) throw InputError(path.string(), "the file cannot be opened");
     std::vector<uint8_t> bytes(size);
-    if (std::fread(bytes.data(), 1, size, file.get()) != size)
-        throw InputError(path.string(), "the file cannot be read");
+    if (std::fread(bytes.data(), 1, size, file.get()) != size) throw InputError(path.string(), "the file cannot be read");
     return bytes;
 }
 

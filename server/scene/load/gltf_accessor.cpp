@@ -88,15 +88,14 @@ uint32_t asIndex(const uint8_t* bytes, int type) {
 }
 
 /// `count` elements of `size` bytes, `stride` apart, from `offset`, must end inside `available` bytes.
-void checkFit(uint64_t count, uint64_t size, uint64_t stride, uint64_t offset, uint64_t available,
-              const std::string& where) {
+void checkFit(uint64_t count, uint64_t size, uint64_t stride, uint64_t offset, uint64_t available, const std::string& where) {
     if (count == 0) return;
     const uint64_t room = offset <= available ? available - offset : 0;
     if (size > room || (count - 1) > (room - size) / stride) {
-        throw InputError(where,
-                         std::to_string(count) + " elements of " + std::to_string(size) + " bytes from byte " +
-                             std::to_string(offset),
-                         "at most " + std::to_string(available) + " bytes, the buffer view's length");
+        throw InputError(
+            where,
+            std::to_string(count) + " elements of " + std::to_string(size) + " bytes from byte " + std::to_string(offset),
+            "at most " + std::to_string(available) + " bytes, the buffer view's length");
     }
 }
 
@@ -116,8 +115,7 @@ void checkAccessor(GltfDocument& document, size_t i) {
         const tinygltf::BufferView& view = document.model.bufferViews[static_cast<size_t>(accessor.bufferView)];
         const uint64_t stride = view.byteStride ? view.byteStride : size;
         if (stride < size)
-            throw InputError(where,
-                             "elements of " + std::to_string(size) + " bytes, " + std::to_string(stride) + " apart",
+            throw InputError(where, "elements of " + std::to_string(size) + " bytes, " + std::to_string(stride) + " apart",
                              "a stride of the element's size or more");
         checkFit(accessor.count, size, stride, accessor.byteOffset, view.byteLength, where);
         if ((accessor.byteOffset + view.byteOffset) % component != 0)
@@ -136,8 +134,8 @@ void checkAccessor(GltfDocument& document, size_t i) {
         throw InputError(where + "/sparse/count", std::to_string(sparse.count),
                          "1 to the accessor's count of " + std::to_string(accessor.count));
     }
-    checkFit(sparse.count, indexBytes, indexBytes, sparse.indices.byteOffset,
-             document.view(sparse.indices.bufferView).size(), where + "/sparse/indices");
+    checkFit(sparse.count, indexBytes, indexBytes, sparse.indices.byteOffset, document.view(sparse.indices.bufferView).size(),
+             where + "/sparse/indices");
     checkFit(sparse.count, size, size, sparse.values.byteOffset, document.view(sparse.values.bufferView).size(),
              where + "/sparse/values");
 }
@@ -174,8 +172,7 @@ void checkAccessors(GltfDocument& document) {
     for (size_t i = 0; i < document.model.accessors.size(); i++) {
         const tinygltf::Accessor& accessor = document.model.accessors[i];
         const size_t count = static_cast<size_t>(componentsOf(accessor.type));
-        if (accessor.bufferView < 0 || accessor.minValues.size() != count || accessor.maxValues.size() != count)
-            continue;
+        if (accessor.bufferView < 0 || accessor.minValues.size() != count || accessor.maxValues.size() != count) continue;
         components += accessor.count * count;
         if (components > 1'000'000 + 4 * document.sourceBytes) return;
         checkBounds(document, static_cast<int>(i));
@@ -196,8 +193,7 @@ GltfAccessor::GltfAccessor(const GltfDocument& document, int index)
     }
     if (!accessor_.sparse.isSparse) return;
     const auto& sparse = accessor_.sparse;
-    const ByteSpan at =
-        document.view(sparse.indices.bufferView).subspan(static_cast<size_t>(sparse.indices.byteOffset));
+    const ByteSpan at = document.view(sparse.indices.bufferView).subspan(static_cast<size_t>(sparse.indices.byteOffset));
     const size_t bytes = bytesOfComponent(sparse.indices.componentType);
     for (size_t i = 0; i < static_cast<size_t>(sparse.count); i++) {
         const uint32_t value = asIndex(&at[i * bytes], sparse.indices.componentType);

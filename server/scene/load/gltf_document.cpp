@@ -47,14 +47,13 @@ Parts splitFile(ByteSpan bytes, const std::string& file, std::vector<std::string
     }
     parts.isBinary = true;
     if (bytes.size() < 12)
-        throw InputError(file, "the GLB header is cut off after " + std::to_string(bytes.size()) + " bytes",
-                         "12 bytes");
+        throw InputError(file, "the GLB header is cut off after " + std::to_string(bytes.size()) + " bytes", "12 bytes");
     if (wordAt(bytes, 4) != 2) throw InputError(file, "GLB version " + std::to_string(wordAt(bytes, 4)), "2");
     const uint64_t length = wordAt(bytes, 8);
     if (length < 12 || length > bytes.size()) {
-        throw InputError(
-            file, "GLB length " + std::to_string(length) + " in a file of " + std::to_string(bytes.size()) + " bytes",
-            "the file's size");
+        throw InputError(file,
+                         "GLB length " + std::to_string(length) + " in a file of " + std::to_string(bytes.size()) + " bytes",
+                         "the file's size");
     }
     if (length < bytes.size())
         warnings.push_back(std::to_string(bytes.size() - length) + " bytes after the GLB's end were ignored");
@@ -65,8 +64,7 @@ Parts splitFile(ByteSpan bytes, const std::string& file, std::vector<std::string
         const uint32_t type = wordAt(bytes, at + 4);
         at += 8;
         if (at + size > length)
-            throw InputError(file,
-                             "chunk " + std::to_string(chunk) + " of " + std::to_string(size) + " bytes is cut off");
+            throw InputError(file, "chunk " + std::to_string(chunk) + " of " + std::to_string(size) + " bytes is cut off");
         const ByteSpan content = bytes.subspan(at, size);
         constexpr uint32_t JSON = 0x4e4f534a, BIN = 0x004e4942;
         if (chunk == 0 && type != JSON) throw InputError(file, "the first chunk is not JSON");
@@ -83,14 +81,12 @@ Parts splitFile(ByteSpan bytes, const std::string& file, std::vector<std::string
 
 /// Depth and number of values, before anything is parsed.
 void checkJsonText(ByteSpan text, const std::string& file) {
-    const JsonExtent extent =
-        jsonExtent({reinterpret_cast<const char*>(text.data()), text.size()}, DEEPEST_JSON);
+    const JsonExtent extent = jsonExtent({reinterpret_cast<const char*>(text.data()), text.size()}, DEEPEST_JSON);
     if (extent.depth > DEEPEST_JSON) {
         throw InputError(file, "JSON nested deeper than " + std::to_string(DEEPEST_JSON));
     }
     if (extent.values > MOST_JSON_VALUES) {
-        throw InputError(file, std::to_string(extent.values) + " JSON values",
-                         "at most " + std::to_string(MOST_JSON_VALUES));
+        throw InputError(file, std::to_string(extent.values) + " JSON values", "at most " + std::to_string(MOST_JSON_VALUES));
     }
 }
 
@@ -183,8 +179,7 @@ private:
                 const std::string plain = percentDecoded(data, document_.at(at));
                 bytes.assign(plain.begin(), plain.end());
             }
-            if (isBuffer && head != "data:application/octet-stream;base64" &&
-                head != "data:application/gltf-buffer;base64")
+            if (isBuffer && head != "data:application/octet-stream;base64" && head != "data:application/gltf-buffer;base64")
                 document_.warnings.push_back(at + ": media type '" + head.substr(5, 60) + "' of a buffer");
         } else {
             const std::filesystem::path path = folder_.resolve(percentDecoded(uri, document_.at(at)), document_.at(at));
@@ -284,8 +279,7 @@ GltfDocument readGltf(const std::filesystem::path& path) {
     json root = parseJson(parts.json, document.file);
     checkGltfJson(root, document.file, document.warnings);
     document.animations = animationsOf(root);
-    if (!document.animations.empty())
-        document.warnings.push_back("animations are not played: the scene is shown at rest");
+    if (!document.animations.empty()) document.warnings.push_back("animations are not played: the scene is shown at rest");
     Resources resources(document, path, parts);
     resources.readBuffers(root);
     checkViews(root, document);

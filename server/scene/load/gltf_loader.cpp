@@ -13,7 +13,8 @@ namespace {
 AtRest atRestIn(const GltfDocument& document) {
     const tinygltf::Model& model = document.model;
     const auto morphs = [](const tinygltf::Mesh& mesh) {
-        return std::any_of(mesh.primitives.begin(), mesh.primitives.end(), [](const auto& primitive) { return !primitive.targets.empty(); });
+        return std::any_of(mesh.primitives.begin(), mesh.primitives.end(),
+                           [](const auto& primitive) { return !primitive.targets.empty(); });
     };
     const auto skinned = [](const tinygltf::Node& node) { return node.skin >= 0 && node.mesh >= 0; };
     AtRest atRest;

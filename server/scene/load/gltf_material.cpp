@@ -24,11 +24,9 @@ public:
         setAlpha();
         setEmission();
         // The order matters: specular-glossiness replaces the base that the others build on.
-        onExtension("KHR_materials_pbrSpecularGlossiness",
-                    [this](const tinygltf::Value& e) { setSpecularGlossiness(e); });
+        onExtension("KHR_materials_pbrSpecularGlossiness", [this](const tinygltf::Value& e) { setSpecularGlossiness(e); });
         onExtension("KHR_materials_specular", [this](const tinygltf::Value& e) { setSpecular(e); });
-        onExtension("KHR_materials_ior",
-                    [this](const tinygltf::Value& e) { to_.ior = float(numberOf(e, "ior", 1.5)); });
+        onExtension("KHR_materials_ior", [this](const tinygltf::Value& e) { to_.ior = float(numberOf(e, "ior", 1.5)); });
         onExtension("KHR_materials_transmission", [this](const tinygltf::Value& e) { setTransmission(e); });
         onExtension("KHR_materials_volume", [this](const tinygltf::Value& e) { setVolume(e); });
         onExtension("KHR_materials_unlit", [this](const tinygltf::Value&) { to_.flags |= MATERIAL_UNLIT; });
@@ -65,8 +63,7 @@ private:
         } else if (from_.alphaMode == "BLEND") {
             to_.flags |= MATERIAL_ALPHA_BLEND;
         } else {
-            if (from_.alphaMode != "OPAQUE")
-                warn("alphaMode '" + from_.alphaMode.substr(0, 40) + "' is unknown: drawn opaque");
+            if (from_.alphaMode != "OPAQUE") warn("alphaMode '" + from_.alphaMode.substr(0, 40) + "' is unknown: drawn opaque");
             to_.baseColor.w = 1.0f;
         }
     }
@@ -87,8 +84,7 @@ private:
         const vec3 specular = colorOf(e, "specularFactor", vec3(1.0f));
         vec4 diffuse(1.0f);
         if (e.Has("diffuseFactor") && e.Get("diffuseFactor").ArrayLen() == 4) {
-            for (int i = 0; i < 4; i++)
-                diffuse[i] = static_cast<float>(e.Get("diffuseFactor").Get(i).GetNumberAsDouble());
+            for (int i = 0; i < 4; i++) diffuse[i] = static_cast<float>(e.Get("diffuseFactor").Get(i).GetNumberAsDouble());
         }
         const float kept = 1.0f - std::min(largest(specular), 1.0f);
         to_.baseColor = vec4(vec3(diffuse) * kept, from_.alphaMode == "OPAQUE" ? 1.0f : diffuse.w);

@@ -79,8 +79,8 @@ std::vector<uint32_t> GltfMeshReader::cornersOf(const tinygltf::Primitive& primi
     }
     const GltfAccessor accessor(document_, primitive.indices);
     const int type = accessor.componentType();
-    const bool isIndex = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-                         type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    const bool isIndex = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                         type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
     if (accessor.components() != 1 || !isIndex || accessor.normalized()) {
         throw InputError(document_.at(pointer + "/indices"),
                          std::to_string(accessor.components()) + " components of type " + std::to_string(type),
@@ -122,8 +122,7 @@ MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::v
     account(vertices.size(), pointer);
     for (uint32_t& corner : corners) {
         if (corner != NO_INDEX)
-            corner =
-                static_cast<uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) - vertices.begin());
+            corner = static_cast<uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) - vertices.begin());
     }
     mesh.indices = assemble(corners, mode);
     if (!primitive.attributes.count("NORMAL")) {
@@ -141,14 +140,13 @@ MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::v
     }
     readAttributes(primitive, vertices, mesh, pointer);
     const tinygltf::Accessor& bounds = document_.model.accessors[static_cast<size_t>(position->second)];
-    if (bounds.minValues.size() != 3 || bounds.maxValues.size() != 3)
-        builder_.warn(pointer + ": POSITION has no min and max");
+    if (bounds.minValues.size() != 3 || bounds.maxValues.size() != 3) builder_.warn(pointer + ": POSITION has no min and max");
     applyMorphs(primitive, weights, vertices, mesh);
     return mesh;
 }
 
-void GltfMeshReader::readAttributes(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices,
-                                    MeshData& mesh, const std::string& pointer) {
+void GltfMeshReader::readAttributes(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices, MeshData& mesh,
+                                    const std::string& pointer) {
     const size_t count = GltfAccessor(document_, primitive.attributes.at("POSITION")).count();
     const auto read = [&](const AttributeRule& rule, auto fill, auto& out) {
         const auto found = primitive.attributes.find(rule.name);

@@ -17,8 +17,7 @@ public:
     MeshData read(const tinygltf::Primitive& primitive, const std::vector<double>& weights, const std::string& pointer);
 
 private:
-    std::vector<uint32_t> cornersOf(const tinygltf::Primitive& primitive, size_t vertexCount,
-                                    const std::string& pointer);
+    std::vector<uint32_t> cornersOf(const tinygltf::Primitive& primitive, size_t vertexCount, const std::string& pointer);
     void account(uint64_t elements, const std::string& pointer);
     void readAttributes(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices, MeshData& mesh,
                         const std::string& pointer);

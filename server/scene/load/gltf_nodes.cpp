@@ -42,11 +42,9 @@ dmat4 localTransform(const tinygltf::Node& node) {
     }
     dvec3 translation(0.0), scale(1.0);
     dquat rotation(1.0, 0.0, 0.0, 0.0);
-    if (node.translation.size() == 3)
-        translation = dvec3(node.translation[0], node.translation[1], node.translation[2]);
+    if (node.translation.size() == 3) translation = dvec3(node.translation[0], node.translation[1], node.translation[2]);
     if (node.scale.size() == 3) scale = dvec3(node.scale[0], node.scale[1], node.scale[2]);
-    if (node.rotation.size() == 4)
-        rotation = dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    if (node.rotation.size() == 4) rotation = dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
     return composed(translation, rotation, scale);
 }
 
@@ -60,11 +58,7 @@ class NodeWalker {
 public:
     NodeWalker(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder,
                const Progress& progress)
-        : document_(document),
-          materials_(materials),
-          builder_(builder),
-          progress_(progress),
-          reader_(document, builder) {}
+        : document_(document), materials_(materials), builder_(builder), progress_(progress), reader_(document, builder) {}
 
     void walk() {
         struct Step {
@@ -85,8 +79,7 @@ public:
             const tinygltf::Node& node = document_.model.nodes[static_cast<size_t>(step.node)];
             const dmat4 toWorld = step.toWorld * localTransform(node);
             place(node, step.node, toWorld);
-            for (size_t i = node.children.size(); i-- > 0;)
-                steps.push_back({node.children[i], toWorld, step.depth + 1});
+            for (size_t i = node.children.size(); i-- > 0;) steps.push_back({node.children[i], toWorld, step.depth + 1});
             report(progress_, "nodes", double(++visited) / double(document_.model.nodes.size()));
         }
         std::set<int> drawn;
@@ -129,8 +122,7 @@ private:
             crowd == node.extensions.end() ? std::vector<dmat4>{dmat4(1.0)} : instanceTransforms(crowd->second, index);
         instances_ += copies.size() * parts.size();
         if (instances_ > MOST_INSTANCES)
-            throw InputError(document_.at(pointerOf(index)),
-                             "more than " + std::to_string(MOST_INSTANCES) + " instances");
+            throw InputError(document_.at(pointerOf(index)), "more than " + std::to_string(MOST_INSTANCES) + " instances");
         for (const dmat4& copy : copies) {
             for (uint32_t part : parts)
                 builder_.addInstance(part, mat4(toWorld * copy), node.name.empty() ? pointerOf(index) : node.name);
@@ -149,8 +141,7 @@ private:
             MeshData data = reader_.read(primitive, weights, pointer);
             if (data.indices.empty()) continue;
             warnMissingSets(primitive, data, pointer);
-            const size_t material =
-                primitive.material >= 0 ? static_cast<size_t>(primitive.material) : materials_.size() - 1;
+            const size_t material = primitive.material >= 0 ? static_cast<size_t>(primitive.material) : materials_.size() - 1;
             data.materials.assign(data.indices.size(), materials_[material]);
             found->second.push_back(builder_.addMesh(std::move(data)));
         }
@@ -164,8 +155,7 @@ private:
             if (use.index < 0 || use.texCoord > 1) return;
             const bool missing = use.texCoord == 1 ? data.uv1.empty() : data.uv0.empty();
             if (missing)
-                builder_.warn(pointer + " has no TEXCOORD_" + std::to_string(use.texCoord) +
-                              " for its material's texture");
+                builder_.warn(pointer + " has no TEXCOORD_" + std::to_string(use.texCoord) + " for its material's texture");
         };
         check(TextureUse(m.pbrMetallicRoughness.baseColorTexture));
         check(TextureUse(m.pbrMetallicRoughness.metallicRoughnessTexture));
@@ -188,12 +178,11 @@ private:
             if (index < 0) continue;
             attribute.accessor = std::make_unique<GltfAccessor>(document_, index);
             if (attribute.accessor->components() != attribute.components || attribute.accessor->isMatrix())
-                throw InputError(where + "/" + attribute.name,
-                                 std::to_string(attribute.accessor->components()) + " components",
+                throw InputError(where + "/" + attribute.name, std::to_string(attribute.accessor->components()) + " components",
                                  std::to_string(attribute.components));
             if (count != 0 && attribute.accessor->count() != count)
-                throw InputError(where + "/" + attribute.name,
-                                 std::to_string(attribute.accessor->count()) + " elements", std::to_string(count));
+                throw InputError(where + "/" + attribute.name, std::to_string(attribute.accessor->count()) + " elements",
+                                 std::to_string(count));
             count = attribute.accessor->count();
         }
         if (count > MOST_INSTANCES)
@@ -205,8 +194,7 @@ private:
             if (attributes[0].accessor) attributes[0].accessor->readFloats(i, 3, false, &translation[0]);
             if (attributes[1].accessor) attributes[1].accessor->readFloats(i, 4, true, &rotation[0]);
             if (attributes[2].accessor) attributes[2].accessor->readFloats(i, 3, false, &scale[0]);
-            transforms[i] =
-                composed(dvec3(translation), dquat(rotation.w, rotation.x, rotation.y, rotation.z), dvec3(scale));
+            transforms[i] = composed(dvec3(translation), dquat(rotation.w, rotation.x, rotation.y, rotation.z), dvec3(scale));
         }
         return transforms;
     }
@@ -219,9 +207,7 @@ private:
             return;
         }
         NamedCamera camera;
-        camera.name = !from.name.empty()   ? from.name
-                      : !node.name.empty() ? node.name
-                                           : "camera " + std::to_string(++cameras_);
+        camera.name = !from.name.empty() ? from.name : !node.name.empty() ? node.name : "camera " + std::to_string(++cameras_);
         camera.position = vec3(toWorld[3]);
         camera.forward = direction(toWorld, 2, -1.0);
         camera.up = direction(toWorld, 1, 1.0);
@@ -234,8 +220,7 @@ private:
         if (index < 0.0) return;
         const std::string where = document_.at(pointerOf(node) + "/extensions/KHR_lights_punctual/light");
         if (!(index < double(document_.model.lights.size())))
-            throw InputError(where, std::to_string(index),
-                             "an index below " + std::to_string(document_.model.lights.size()));
+            throw InputError(where, std::to_string(index), "an index below " + std::to_string(document_.model.lights.size()));
         const tinygltf::Light& from = document_.model.lights[static_cast<size_t>(index)];
         Light light{};
         light.position = vec3(toWorld[3]);
@@ -244,8 +229,8 @@ private:
         light.cosInner = 1.0f;
         if (index < double(document_.lightRadii.size())) light.radius = document_.lightRadii[static_cast<size_t>(index)];
         for (int i = 0; i < 3; i++)
-            light.intensity[i] = static_cast<float>(
-                (from.color.size() == 3 ? from.color[static_cast<size_t>(i)] : 1.0) * from.intensity);
+            light.intensity[i] =
+                static_cast<float>((from.color.size() == 3 ? from.color[static_cast<size_t>(i)] : 1.0) * from.intensity);
         if (from.type == "directional") {
             light.type = LIGHT_DIRECTIONAL;
         } else if (from.type == "point") {

@@ -56,9 +56,7 @@ public:
         checkSizes();
         const JsonRules rules(
             gltfRuleTable(), root_,
-            [this](const std::string& at, const std::string& found, const std::string& allowed) {
-                refuse(at, found, allowed);
-            },
+            [this](const std::string& at, const std::string& found, const std::string& allowed) { refuse(at, found, allowed); },
             [this](const std::string& at, const std::string& found, const std::string&) { warn(at + ": " + found); });
         rules.check("root", root_, "");
         checkVersion();
@@ -86,8 +84,7 @@ private:
         const auto limit = [this](const std::string& at, size_t size, size_t most) {
             if (size > most) refuse(at, std::to_string(size) + " elements", "at most " + std::to_string(most));
         };
-        for (const ArrayLimit& row : ARRAY_LIMITS)
-            limit(std::string("/") + row.array, arrayOf(row.array).size(), row.most);
+        for (const ArrayLimit& row : ARRAY_LIMITS) limit(std::string("/") + row.array, arrayOf(row.array).size(), row.most);
         size_t primitives = 0;
         for (const json& mesh : arrayOf("meshes")) {
             if (mesh.is_object() && mesh.contains("primitives")) primitives += mesh["primitives"].size();
@@ -132,10 +129,8 @@ private:
         const std::set<std::string> required = extensionList("extensionsRequired");
         for (const std::string& name : required) {
             if (name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression")
-                refuse("/extensionsRequired", "'" + name + "': compressed geometry is not supported",
-                       "uncompressed geometry");
-            if (!knowsGltfExtension(name))
-                refuse("/extensionsRequired", "unknown extension '" + name + "'", supported());
+                refuse("/extensionsRequired", "'" + name + "': compressed geometry is not supported", "uncompressed geometry");
+            if (!knowsGltfExtension(name)) refuse("/extensionsRequired", "unknown extension '" + name + "'", supported());
             if (!used_.count(name)) warn("/extensionsRequired names '" + name + "', /extensionsUsed does not");
         }
         for (const std::string& name : used_) {
@@ -182,8 +177,7 @@ private:
                 const std::string at = "/scenes/" + std::to_string(s) + "/nodes";
                 if (parent[node.get<size_t>()] != nodes.size())
                     refuse(at, "node " + node.dump() + " is below another", "root nodes");
-                if (!seen.insert(node.get<size_t>()).second)
-                    refuse(at, "node " + node.dump() + " twice", "each node once");
+                if (!seen.insert(node.get<size_t>()).second) refuse(at, "node " + node.dump() + " twice", "each node once");
             }
         }
     }
@@ -194,8 +188,7 @@ private:
         for (size_t m = 0; m < meshes.size(); m++) {
             for (size_t p = 0; p < meshes[m]["primitives"].size(); p++) {
                 const json& primitive = meshes[m]["primitives"][p];
-                if (!primitive.contains("extensions") ||
-                    !primitive["extensions"].contains("KHR_draco_mesh_compression"))
+                if (!primitive.contains("extensions") || !primitive["extensions"].contains("KHR_draco_mesh_compression"))
                     continue;
                 const auto plain = [this](const json& index) {
                     return arrayOf("accessors")[index.get<size_t>()].contains("bufferView");
@@ -274,8 +267,7 @@ private:
         for (const auto& [name, extension] : extensions.items()) {
             if (name == "KHR_texture_transform" && insideArray)
                 warn(at + "/extensions/" + name + ": not expected here, ignored");
-            if (!used_.count(name))
-                warn(at + "/extensions/" + name + ": the extension is not declared in /extensionsUsed");
+            if (!used_.count(name)) warn(at + "/extensions/" + name + ": the extension is not declared in /extensionsUsed");
             for (const KnownExtension& known : KNOWN) {
                 if (name != known.name || !*known.on || at.empty()) continue;
                 if (!insideArray || at.rfind(std::string("/") + known.on + "/", 0) != 0)
@@ -293,8 +285,7 @@ private:
 }  // namespace
 
 bool knowsGltfExtension(const std::string& name) {
-    return std::any_of(std::begin(KNOWN), std::end(KNOWN),
-                       [&](const KnownExtension& known) { return name == known.name; });
+    return std::any_of(std::begin(KNOWN), std::end(KNOWN), [&](const KnownExtension& known) { return name == known.name; });
 }
 
 void checkGltfJson(const json& root, const std::string& file, std::vector<std::string>& warnings) {

@@ -78,8 +78,7 @@ void GltfTextures::setSampler(TextureSlot& slot, int texture) const {
 uint32_t GltfTextures::slot(const TextureUse& use, bool srgb) {
     const int image = imageOf(use.index);
     if (image < 0) {
-        if (use.index >= 0 && loaded_)
-            builder_.warn("texture " + std::to_string(use.index) + " has no image: not drawn");
+        if (use.index >= 0 && loaded_) builder_.warn("texture " + std::to_string(use.index) + " has no image: not drawn");
         return NO_INDEX;
     }
     if (!loaded_) {

@@ -17,20 +17,20 @@ constexpr double ANY = std::numeric_limits<double>::infinity();
 /// What a property must be.
 enum class Is {
     boolean,
-    text,        // a string
-    whole,       // an integer in [low, high]
-    number,      // in [low, high]
-    above,       // a number in (low, high]
-    numbers,     // an array of numbers; its length in [low, high]
-    wholes,      // an array of integers that index the root's array `target`
-    index,       // an integer that indexes the root's array `target`
-    object,      // of kind `target`; an empty target: any
-    list,        // an array of objects of kind `target`
-    indexMap,    // an object whose values index the root's array `target`
+    text,      // a string
+    whole,     // an integer in [low, high]
+    number,    // in [low, high]
+    above,     // a number in (low, high]
+    numbers,   // an array of numbers; its length in [low, high]
+    wholes,    // an array of integers that index the root's array `target`
+    index,     // an integer that indexes the root's array `target`
+    object,    // of kind `target`; an empty target: any
+    list,      // an array of objects of kind `target`
+    indexMap,  // an object whose values index the root's array `target`
 };
 
 struct JsonRule {
-    const char* kind;      // of the object that has the property
+    const char* kind;  // of the object that has the property
     const char* property;
     Is is;
     double low = -ANY;

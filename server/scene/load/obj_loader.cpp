@@ -25,9 +25,9 @@ constexpr size_t MOST_CORNERS = 255;        // of a face: the parser counts them
 
 /// What the filter has seen.
 struct Lines {
-    std::string text;          // the lines that we read
-    uint64_t ignored = 0;      // points, lines, curves and what else is not drawn
-    bool smoothing = false;    // the file has "s" lines
+    std::string text;        // the lines that we read
+    uint64_t ignored = 0;    // points, lines, curves and what else is not drawn
+    bool smoothing = false;  // the file has "s" lines
 };
 
 bool startsWith(std::string_view line, std::string_view word) {
@@ -74,8 +74,8 @@ Lines filtered(std::span<const uint8_t> bytes, const std::string& file) {
         const size_t first = line.find_first_not_of(" \t");
         if (first == std::string_view::npos || line[first] == '#') continue;
         line.remove_prefix(first);
-        const bool kept = std::any_of(std::begin(KEPT), std::end(KEPT),
-                                      [&](std::string_view word) { return startsWith(line, word); });
+        const bool kept =
+            std::any_of(std::begin(KEPT), std::end(KEPT), [&](std::string_view word) { return startsWith(line, word); });
         if (!kept) {
             if (!startsWith(line, "o") && !startsWith(line, "g")) lines.ignored++;
             continue;
@@ -94,8 +94,8 @@ public:
     MtlReader(const FileFolder& folder, std::string file, SceneBuilder& builder)
         : folder_(folder), file_(std::move(file)), builder_(builder) {}
 
-    bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials,
-                    std::map<std::string, int>* map, std::string* warning, std::string* error) override {
+    bool operator()(const std::string& name, std::vector<tinyobj::material_t>* materials, std::map<std::string, int>* map,
+                    std::string* warning, std::string* error) override {
         std::string slashed = name;
         std::replace(slashed.begin(), slashed.end(), '\\', '/');
         std::filesystem::path path;
@@ -137,8 +137,8 @@ void addPolygon(std::span<const tinyobj::index_t> corners, const std::vector<vec
 struct CornerKey {
     int position;
     int uv;
-    int normal;    // of the file, or -1
-    vec3 made;     // the normal that was computed where normal is -1
+    int normal;  // of the file, or -1
+    vec3 made;   // the normal that was computed where normal is -1
     bool operator==(const CornerKey&) const = default;
 };
 
@@ -162,14 +162,12 @@ public:
         report(progress_, "reading", 0.0);
         Lines lines = filtered(readFile(path, MOST_OBJ_BYTES), file_);
         smoothing_ = lines.smoothing;
-        if (lines.ignored > 0)
-            builder_.warn(std::to_string(lines.ignored) + " lines of kinds that are not drawn were ignored");
+        if (lines.ignored > 0) builder_.warn(std::to_string(lines.ignored) + " lines of kinds that are not drawn were ignored");
         MtlReader mtl(folder_, file_, builder_);
         std::istringstream stream(std::move(lines.text));
         std::string warning, error;
         if (!tinyobj::LoadObj(&attrib_, &shapes_, &materials_, &warning, &error, &stream, &mtl, false, false))
-            throw InputError(file_,
-                             "the file cannot be parsed: " + error.substr(0, std::min(error.find('\n'), size_t(160))));
+            throw InputError(file_, "the file cannot be parsed: " + error.substr(0, std::min(error.find('\n'), size_t(160))));
     }
 
     void read() {
@@ -178,8 +176,7 @@ public:
             positions_.emplace_back(attrib_.vertices[i], attrib_.vertices[i + 1], attrib_.vertices[i + 2]);
         for (const tinyobj::shape_t& shape : shapes_) readFaces(shape.mesh);
         if (badFaces_ > 0)
-            builder_.warn(std::to_string(badFaces_) +
-                          " faces were dropped: an index out of range or fewer than 3 corners");
+            builder_.warn(std::to_string(badFaces_) + " faces were dropped: an index out of range or fewer than 3 corners");
         if (triangles_.empty() && badFaces_ == 0) builder_.warn("the file has no faces");
         if (positions_.empty() && triangles_.empty() && attrib_.normals.empty())
             throw InputError(file_, "no vertices", "an OBJ file");
@@ -195,8 +192,7 @@ private:
     bool usable(const tinyobj::index_t& i) const {
         const auto below = [](int index, size_t count) { return index < 0 || static_cast<size_t>(index) < count; };
         return i.vertex_index >= 0 && below(i.vertex_index, positions_.size()) &&
-               below(i.normal_index, attrib_.normals.size() / 3) &&
-               below(i.texcoord_index, attrib_.texcoords.size() / 2);
+               below(i.normal_index, attrib_.normals.size() / 3) && below(i.texcoord_index, attrib_.texcoords.size() / 2);
     }
 
     void readFaces(const tinyobj::mesh_t& mesh) {
@@ -206,8 +202,7 @@ private:
             if (at + count > mesh.indices.size()) break;  // a polygon of more than 255 corners, counted wrongly
             const std::span<const tinyobj::index_t> corners(mesh.indices.data() + at, count);
             at += count;
-            if (count < 3 ||
-                !std::all_of(corners.begin(), corners.end(), [this](const auto& i) { return usable(i); })) {
+            if (count < 3 || !std::all_of(corners.begin(), corners.end(), [this](const auto& i) { return usable(i); })) {
                 badFaces_++;
                 continue;
             }
@@ -237,8 +232,7 @@ private:
         });
         if (!missing) return {};
         std::vector<uvec3> triangles;
-        for (const auto& t : triangles_)
-            triangles.emplace_back(t[0].vertex_index, t[1].vertex_index, t[2].vertex_index);
+        for (const auto& t : triangles_) triangles.emplace_back(t[0].vertex_index, t[1].vertex_index, t[2].vertex_index);
         return cornerNormals(positions_, triangles,
                              smoothing_ ? std::span<const uint32_t>(groups_) : std::span<const uint32_t>());
     }
@@ -274,8 +268,7 @@ private:
         if (uvs) {
             const size_t at = static_cast<size_t>(std::max(key.uv, 0)) * 2;
             // OBJ counts v upwards from the lower edge of the image.
-            mesh.uv0.push_back(key.uv >= 0 ? vec2(attrib_.texcoords[at], 1.0f - attrib_.texcoords[at + 1])
-                                           : vec2(0.0f));
+            mesh.uv0.push_back(key.uv >= 0 ? vec2(attrib_.texcoords[at], 1.0f - attrib_.texcoords[at + 1]) : vec2(0.0f));
         }
         if (colors) mesh.colors.emplace_back(three(attrib_.colors, key.position), 1.0f);
     }
@@ -289,8 +282,8 @@ private:
     std::vector<tinyobj::material_t> materials_;
     std::vector<vec3> positions_;
     std::vector<std::array<tinyobj::index_t, 3>> triangles_;
-    std::vector<int> triangleMaterials_;   // -1: none
-    std::vector<uint32_t> groups_;         // smoothing group per triangle
+    std::vector<int> triangleMaterials_;  // -1: none
+    std::vector<uint32_t> groups_;        // smoothing group per triangle
     uint64_t badFaces_ = 0;
     bool smoothing_ = false;
 };

@@ -55,8 +55,8 @@ std::vector<vec3> cornerNormals(std::span<const vec3> positions, std::span<const
             const bool flat = !groups.empty() && groups[i] == 0;
             if (!flat && fan.size() <= MOST_COMPARED) {
                 for (uint32_t other : fan) {
-                    const bool together = groups.empty() ? glm::dot(unit(doubled[other]), own) >= CREASE_COSINE
-                                                         : groups[other] == groups[i];
+                    const bool together =
+                        groups.empty() ? glm::dot(unit(doubled[other]), own) >= CREASE_COSINE : groups[other] == groups[i];
                     if (together) sum += doubled[other];
                 }
             }

@@ -27,8 +27,7 @@ std::string recipeNames() {
 
 std::string lowerExtension(const fs::path& path) {
     std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) { return std::tolower(c); });
     return extension;
 }
 
@@ -95,8 +94,7 @@ std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std:
     } catch (const std::exception& error) {
         if (abandoned) throw;
         const std::string what = error.what();
-        throw InputError(nameOrPath,
-                         "the scene cannot be read: " + what.substr(0, std::min(what.find('\n'), size_t(200))));
+        throw InputError(nameOrPath, "the scene cannot be read: " + what.substr(0, std::min(what.find('\n'), size_t(200))));
     }
 }
 

@@ -84,10 +84,15 @@ protected:
 };
 
 TEST_F(CommandsTest, HelpIsNoError) {
-    for (const std::vector<std::string>& arguments :
-         {std::vector<std::string>{"--help"}, {"render", "--help"}, {"inspect", "--help"}, {"bench", "--help"},
-          {"bench", "frames", "--help"}, {"bench", "devices", "--help"}, {"bench", "schedule", "--help"},
-          {"bench", "effects", "--help"}, {"serve", "--help"}}) {
+    for (const std::vector<std::string>& arguments : {std::vector<std::string>{"--help"},
+                                                      {"render", "--help"},
+                                                      {"inspect", "--help"},
+                                                      {"bench", "--help"},
+                                                      {"bench", "frames", "--help"},
+                                                      {"bench", "devices", "--help"},
+                                                      {"bench", "schedule", "--help"},
+                                                      {"bench", "effects", "--help"},
+                                                      {"serve", "--help"}}) {
         Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.code, 0);
         EXPECT_THAT(outcome.out, HasSubstr("xample")) << arguments.front();
@@ -207,13 +212,14 @@ TEST_F(CommandsTest, BenchesAnswerInJson) {
     EXPECT_EQ(keys(json), (std::vector<std::string>{"scenarios", "decision_us"}));
     const ordered_json& scenario = json["scenarios"][0];
     EXPECT_EQ(keys(scenario), (std::vector<std::string>{"name", "devices", "bound_ms", "policies"}));
-    EXPECT_EQ(keys(scenario["policies"]), (std::vector<std::string>{"ours", "equal_split", "proportional_split", "rayengine",
-                                                                    "shared_counter"}));
+    EXPECT_EQ(keys(scenario["policies"]),
+              (std::vector<std::string>{"ours", "equal_split", "proportional_split", "rayengine", "shared_counter"}));
     for (const auto& [name, policy] : scenario["policies"].items()) EXPECT_GE(policy["ratio"].get<double>(), 1.0) << name;
 }
 
 TEST_F(CommandsTest, BenchEffectsHasARowPerEffectAndEqualRaysWhereNoneIsCalledFor) {
-    Outcome outcome = run({"bench", "effects", "cornell", "--size", "48x32", "--repetitions", "1", "--device", "embree", "--json"});
+    Outcome outcome =
+        run({"bench", "effects", "cornell", "--size", "48x32", "--repetitions", "1", "--device", "embree", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     ordered_json json = ordered_json::parse(outcome.out);
     EXPECT_EQ(json["time"], "core");
@@ -239,8 +245,8 @@ TEST_F(CommandsTest, BenchEffectsHasARowPerEffectAndEqualRaysWhereNoneIsCalledFo
 }
 
 TEST_F(CommandsTest, BenchEffectsChecksThatWhatIsAllowedAndNotNeededChangesNothing) {
-    Outcome outcome = run({"bench", "effects", "cornell", "--check", "--size", "48x32", "--repetitions", "1", "--device", "embree",
-                           "--limit", "100", "--json"});
+    Outcome outcome = run({"bench", "effects", "cornell", "--check", "--size", "48x32", "--repetitions", "1", "--device",
+                           "embree", "--limit", "100", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.out << outcome.err;
     ordered_json json = ordered_json::parse(outcome.out);
     EXPECT_EQ(json["identical"], true);

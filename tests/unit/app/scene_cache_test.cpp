@@ -12,7 +12,9 @@ constexpr auto PATIENCE = std::chrono::seconds(30);
 class IdleDevice : public Device {
 public:
     DeviceInfo info() const override { return {"embree", "for tests", "none", 1}; }
-    void load(std::shared_ptr<const Scene>, const Settings&, const Progress& progress) override { report(progress, "building", 0.5); }
+    void load(std::shared_ptr<const Scene>, const Settings&, const Progress& progress) override {
+        report(progress, "building", 0.5);
+    }
     void render(const FrameRequest&, std::span<const Tile>, const TileSink&, std::stop_token) override {}
 };
 

@@ -76,14 +76,20 @@ struct Viewer {
         say({{"type", "resolution"}, {"width", width}, {"height", height}, {"inputId", inputId}});
     }
     void look(uint32_t inputId) {
-        say({{"type", "camera"}, {"inputId", inputId}, {"position", {inputId, 0, 0}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}},
-             {"fieldOfView", 60}, {"moving", false}});
+        say({{"type", "camera"},
+             {"inputId", inputId},
+             {"position", {inputId, 0, 0}},
+             {"forward", {0, 0, -1}},
+             {"up", {0, 1, 0}},
+             {"fieldOfView", 60},
+             {"moving", false}});
     }
     /// Reads until a frame shows that input.
     FrameHeader untilInput(uint32_t inputId) {
         while (auto message = client.receive()) {
             if (message->opcode != 2) continue;
-            FrameHeader header = readFrameHeader({reinterpret_cast<const uint8_t*>(message->bytes.data()), message->bytes.size()});
+            FrameHeader header =
+                readFrameHeader({reinterpret_cast<const uint8_t*>(message->bytes.data()), message->bytes.size()});
             say({{"type", "ack"}, {"frameId", header.frameId}, {"presentedMs", 1.0}});
             if (header.inputId == inputId) return header;
         }
@@ -230,7 +236,10 @@ TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
 /// Hangs in `render` for whoever asks for STUCK_SAMPLES, whatever the stop token says.
 struct StuckDevice : GreyDevice {
     static constexpr uint32_t STUCK_SAMPLES = 7;
-    struct Gate { std::counting_semaphore<> entered{0}; std::latch open{1}; };
+    struct Gate {
+        std::counting_semaphore<> entered{0};
+        std::latch open{1};
+    };
     explicit StuckDevice(Gate& g) : gate(g) {}
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         if (request.settings.samples == STUCK_SAMPLES && !gate.open.try_wait()) {

@@ -67,8 +67,7 @@ TEST(ReachOfView, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
     request.camera.position.x += 0.1f;
     const auto reach = reaches.of(request);
     for (uint32_t y = 0; y < 128; y += 32)
-        for (uint32_t x = 0; x < 160; x += 32)
-            EXPECT_EQ(reach->endsAtOnce(tileAt(x, y)), x > 32 || y < 32) << x << ' ' << y;
+        for (uint32_t x = 0; x < 160; x += 32) EXPECT_EQ(reach->endsAtOnce(tileAt(x, y)), x > 32 || y < 32) << x << ' ' << y;
     // What is found out counts more than the guess, and guesses are no ground for others.
     reach->note(resultAt(96, 0, 2));
     EXPECT_FALSE(reach->endsAtOnce(tileAt(96, 0)));

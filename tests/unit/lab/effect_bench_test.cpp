@@ -151,7 +151,8 @@ TEST(BenchPartner, AnswersFrameByFrameUntilItsInputEnds) {
 }
 
 TEST(BenchPartner, AsksAnotherProgram) {
-    BenchPartner partner("/bin/sh", {"-c", "echo '{\"device\":\"d\"}'; while read order; do echo \"{\\\"was\\\":\\\"$order\\\"}\"; done"});
+    BenchPartner partner("/bin/sh",
+                         {"-c", "echo '{\"device\":\"d\"}'; while read order; do echo \"{\\\"was\\\":\\\"$order\\\"}\"; done"});
     EXPECT_EQ(partner.greeting().at("device"), "d");
     EXPECT_EQ(partner.frame().at("was"), "frame");
     EXPECT_EQ(partner.frame().at("was"), "frame");

@@ -12,7 +12,9 @@ namespace {
 
 uint64_t whole(std::chrono::seconds seconds) { return static_cast<uint64_t>(seconds.count()); }
 template <typename Number>
-uint64_t whole(Number number) { return static_cast<uint64_t>(number); }
+uint64_t whole(Number number) {
+    return static_cast<uint64_t>(number);
+}
 
 /// "33,177,600"
 std::string grouped(uint64_t number) {

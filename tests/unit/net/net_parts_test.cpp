@@ -47,15 +47,16 @@ TEST(ListenAddress, ReadsHostAndPort) {
 }
 
 TEST(ListenAddress, RefusesTheRest) {
-    for (const char* text : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:80x", "example.org:80", "[::1]",
-                             "127.0.0.1:8080:9", "::1:80 ", "/tmp/socket:1"}) {
+    for (const char* text : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:80x",
+                             "example.org:80", "[::1]", "127.0.0.1:8080:9", "::1:80 ", "/tmp/socket:1"}) {
         EXPECT_THROW(parseListenAddress(text), InputError) << text;
     }
 }
 
 TEST(Origin, LoopbackIsThisMachineAlone) {
     for (const char* host : {"127.0.0.1", "127.9.9.9", "::1", "localhost"}) EXPECT_TRUE(isLoopback(host)) << host;
-    for (const char* host : {"0.0.0.0", "::", "10.0.0.1", "127.evil.org", "1127.0.0.1", ""}) EXPECT_FALSE(isLoopback(host)) << host;
+    for (const char* host : {"0.0.0.0", "::", "10.0.0.1", "127.evil.org", "1127.0.0.1", ""})
+        EXPECT_FALSE(isLoopback(host)) << host;
 }
 
 TEST(Origin, HasToBeTheServersOwn) {
@@ -83,7 +84,8 @@ TEST(Origin, OthersCanBeAllowed) {
 
 TEST(Token, ComparesWholeSecrets) {
     EXPECT_TRUE(sameSecret("0123456789abcdef", "0123456789abcdef"));
-    for (const char* given : {"", "0", "0123456789abcde", "0123456789abcdeX", "0123456789abcdef0", "0123456789abcdef0123456789abcdef"}) {
+    for (const char* given :
+         {"", "0", "0123456789abcde", "0123456789abcdeX", "0123456789abcdef0", "0123456789abcdef0123456789abcdef"}) {
         EXPECT_FALSE(sameSecret(given, "0123456789abcdef")) << given;
     }
     EXPECT_FALSE(sameSecret("", ""));  // no secret: nothing matches

@@ -5,7 +5,8 @@
 namespace heliograph {
 namespace {
 
-const char* CAMERA = R"({"type":"camera","inputId":7,"position":[1,2,3],"forward":[0,0,-2],"up":[0,1,0.5],"fieldOfView":50,"moving":true})";
+const char* CAMERA =
+    R"({"type":"camera","inputId":7,"position":[1,2,3],"forward":[0,0,-2],"up":[0,1,0.5],"fieldOfView":50,"moving":true})";
 
 /// What the refusal of a text says.
 MessageError refusal(const std::string& text) {
@@ -33,10 +34,12 @@ TEST(Protocol, ReadsCameraAndMakesItOrthonormal) {
 }
 
 TEST(Protocol, ReadsEveryOtherType) {
-    auto settings = std::get<SettingsMessage>(parseViewerMessage(R"({"type":"settings","inputId":4294967295,"values":{"samples":3}})"));
+    auto settings =
+        std::get<SettingsMessage>(parseViewerMessage(R"({"type":"settings","inputId":4294967295,"values":{"samples":3}})"));
     EXPECT_EQ(settings.inputId, 4294967295u);
     EXPECT_EQ(settings.values["samples"], 3);
-    auto resolution = std::get<ResolutionMessage>(parseViewerMessage(R"({"type":"resolution","width":16,"height":8192,"inputId":1})"));
+    auto resolution =
+        std::get<ResolutionMessage>(parseViewerMessage(R"({"type":"resolution","width":16,"height":8192,"inputId":1})"));
     EXPECT_EQ(resolution.size, uvec2(16, 8192));
     EXPECT_EQ(std::get<SceneMessage>(parseViewerMessage(R"({"type":"scene","name":"glass"})")).name, "glass");
     auto ack = std::get<AckMessage>(parseViewerMessage(R"({"type":"ack","frameId":5,"presentedMs":12.5})"));
@@ -50,13 +53,11 @@ TEST(Protocol, ReadsEveryOtherType) {
     EXPECT_EQ(std::get<TokenMessage>(parseViewerMessage(R"({"type":"token","token":"abc"})")).token, "abc");
 }
 
-TEST(Protocol, IgnoresUnknownFields) {
-    EXPECT_NO_THROW(parseViewerMessage(R"({"type":"ping","time":1,"colour":"green"})"));
-}
+TEST(Protocol, IgnoresUnknownFields) { EXPECT_NO_THROW(parseViewerMessage(R"({"type":"ping","time":1,"colour":"green"})")); }
 
 TEST(Protocol, RefusesWhatIsNoJsonObject) {
-    for (const char* text : {"", "{", "nonsense", "[]", "3", "null", "\"camera\"", "{\"type\":\"ping\",\"time\":NaN}", "{'type':'ping'}",
-                             "{\"type\":\"ping\",\"time\":1}x", "\xff\xfe"}) {
+    for (const char* text : {"", "{", "nonsense", "[]", "3", "null", "\"camera\"", "{\"type\":\"ping\",\"time\":NaN}",
+                             "{'type':'ping'}", "{\"type\":\"ping\",\"time\":1}x", "\xff\xfe"}) {
         EXPECT_NE(std::string(refusal(text).what()).find("one JSON object"), std::string::npos) << text;
     }
 }
@@ -90,10 +91,22 @@ TEST(Protocol, ARefusalNamesFieldFoundAndAllowed) {
 
 TEST(Protocol, RefusesCamerasThatAreNone) {
     const std::pair<const char*, const char*> changes[] = {
-        {"[1,2,3]", "[1,2]"},          {"[1,2,3]", "[1,2,\"3\"]"}, {"[1,2,3]", "[1,2,null]"}, {"[1,2,3]", "[1,2,1e300]"},
-        {"[0,0,-2]", "[0,0,0]"},       {"[0,1,0.5]", "[0,0,3]"},   {"50", "0"},               {"50", "180"},
-        {"50", "\"50\""},              {"true", "1"},              {"\"inputId\":7,", ""},    {"7", "7.5"},
-        {"7", "4294967296"},           {"[1,2,3]", "\"here\""},    {"50", "-1e40"},           {"[1,2,3]", "[1e999,0,0]"},
+        {"[1,2,3]", "[1,2]"},
+        {"[1,2,3]", "[1,2,\"3\"]"},
+        {"[1,2,3]", "[1,2,null]"},
+        {"[1,2,3]", "[1,2,1e300]"},
+        {"[0,0,-2]", "[0,0,0]"},
+        {"[0,1,0.5]", "[0,0,3]"},
+        {"50", "0"},
+        {"50", "180"},
+        {"50", "\"50\""},
+        {"true", "1"},
+        {"\"inputId\":7,", ""},
+        {"7", "7.5"},
+        {"7", "4294967296"},
+        {"[1,2,3]", "\"here\""},
+        {"50", "-1e40"},
+        {"[1,2,3]", "[1e999,0,0]"},
     };
     for (const auto& [from, to] : changes) {
         std::string text = replaced(CAMERA, from, to);
@@ -105,7 +118,8 @@ TEST(Protocol, RefusesResolutionsOutOfRange) {
     auto text = [](const std::string& width, const std::string& height) {
         return R"({"type":"resolution","inputId":1,"width":)" + width + R"(,"height":)" + height + "}";
     };
-    for (auto [width, height] : {std::pair("15", "100"), {"100", "8193"}, {"8192", "8192"}, {"100.5", "100"}, {"-1", "100"}, {"true", "100"}}) {
+    for (auto [width, height] :
+         {std::pair("15", "100"), {"100", "8193"}, {"8192", "8192"}, {"100.5", "100"}, {"-1", "100"}, {"true", "100"}}) {
         EXPECT_EQ(refusal(text(width, height)).inputId(), 1u) << width << " " << height;
     }
     EXPECT_NO_THROW(parseViewerMessage(text("7680", "4320")));
@@ -145,9 +159,10 @@ FrameHeader sampleHeader() {
 TEST(Protocol, FrameHeaderHasTheBytesOfTheTable) {
     std::array<uint8_t, FRAME_HEADER_BYTES> bytes{};
     writeFrameHeader(sampleHeader(), bytes);
-    const uint8_t expected[64] = {'H', 'G', 2, 2, 64, 0, 5, 80, 4, 3, 2, 1, 0xfe, 0xff, 0xff, 0xff, 3, 0, 0, 0, 0x00, 0x05, 0xd0, 0x02,
-                                  0x00, 0x0a, 0xa0, 0x05, 64, 0, 0, 0, 0, 0, 0, 0x3e, 1, 0, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0, 4, 0, 0, 0,
-                                  5, 0, 0, 0, 6, 0, 0, 0, 5, 0, 0, 0};
+    const uint8_t expected[64] = {'H', 'G', 2, 2,    64,   0,    5,    80,   4,    3,    2,    1,    0xfe, 0xff, 0xff, 0xff,
+                                  3,   0,   0, 0,    0x00, 0x05, 0xd0, 0x02, 0x00, 0x0a, 0xa0, 0x05, 64,   0,    0,    0,
+                                  0,   0,   0, 0x3e, 1,    0,    0,    0,    2,    0,    0,    0,    3,    0,    0,    0,
+                                  4,   0,   0, 0,    5,    0,    0,    0,    6,    0,    0,    0,    5,    0,    0,    0};
     for (size_t i = 0; i < 64; i++) EXPECT_EQ(bytes[i], expected[i]) << "offset " << i;
 }
 

@@ -139,8 +139,9 @@ TEST(Tls, AgreesOnHttp11AndCarriesLargeFrames) {
     TlsClient client(server.port());
     ASSERT_TRUE(client.shakeHands());
     EXPECT_EQ(client.agreed(), "http/1.1");
-    client.send("GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-                "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: heliograph.v1\r\n\r\n");
+    client.send(
+        "GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: heliograph.v1\r\n\r\n");
     std::string all = client.read(300'100);
     EXPECT_TRUE(all.starts_with("HTTP/1.1 101"));
     EXPECT_EQ(std::count(all.begin(), all.end(), 'p') > 299'000, true) << all.size();

@@ -20,7 +20,8 @@ using ::testing::ElementsAre;
 /// Counts what is asked of it and signs its tiles.
 class SigningDevice : public test::FakeDevice {
 public:
-    SigningDevice(std::string name, std::vector<std::string>& log, int& failures) : name_(name), log_(log), failures_(failures) {}
+    SigningDevice(std::string name, std::vector<std::string>& log, int& failures)
+        : name_(name), log_(log), failures_(failures) {}
     DeviceInfo info() const override { return {name_, "for tests", "none", 1}; }
     void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
         if (failures_ > 0) {
@@ -128,7 +129,9 @@ struct Hybrid : ::testing::Test {
         void warmUp(const FrameRequest& r) override { device.warmUp(r); }
         Warmth warmth(const FrameRequest& r) const override { return device.warmth(r); }
         void standBy() override { device.standBy(); }
-        void render(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override { device.render(r, t, s, o); }
+        void render(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override {
+            device.render(r, t, s, o);
+        }
         void renderStream(const FrameRequest& r, std::span<const Tile> t, const TileSink& s, std::stop_token o) override {
             device.renderStream(r, t, s, o);
         }
@@ -241,7 +244,8 @@ TEST_F(Hybrid, WhenAllFailTheReasonsAreTold) {
         render();
         FAIL() << "rendered by nobody";
     } catch (const std::runtime_error& error) {
-        EXPECT_THAT(error.what(), ::testing::AllOf(::testing::HasSubstr("embree is lost"), ::testing::HasSubstr("vulkan:0 is lost")));
+        EXPECT_THAT(error.what(),
+                    ::testing::AllOf(::testing::HasSubstr("embree is lost"), ::testing::HasSubstr("vulkan:0 is lost")));
     }
 }
 
@@ -338,7 +342,9 @@ TEST_F(Hybrid, WhatTheSinkThrowsIsNotTheDevicesFault) {
 }
 
 TEST_F(Hybrid, WithoutThreadsDevicesAreMadeReadyByWhoAsks) {
-    TileScheduler poor([](std::function<void()>) { throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again)); });
+    TileScheduler poor([](std::function<void()>) {
+        throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+    });
     device = makeDeviceSwitch(offer, poor, {.notice = [this](const std::string& what) { notices.push_back(what); }});
     device->load(std::make_shared<Scene>(), settings, {});
     EXPECT_EQ(render().samples, 1u);

@@ -82,7 +82,9 @@ TEST(FrameRenderer, StopsBetweenTiles) {
     FakeDevice device;
     std::stop_source stop;
     int tiles = 0;
-    device.afterEachTile = [&] { if (++tiles == 6) stop.request_stop(); };
+    device.afterEachTile = [&] {
+        if (++tiles == 6) stop.request_stop();
+    };
     Film film;
     FrameStats stats = renderFrame(device, requestFor(), 100, film, stop.get_token());
     EXPECT_EQ(stats.samples, 1u);

@@ -130,7 +130,8 @@ TEST_F(Team, ASinkThatThrowsEndsTheFrameAndBlamesNoDevice) {
     for (const char* balance : {"auto", "manual"}) {
         request.settings.set("hybridBalance", balance);
         left = 5;
-        EXPECT_THROW(scheduler.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, sink, {}), std::runtime_error) << balance;
+        EXPECT_THROW(scheduler.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, sink, {}), std::runtime_error)
+            << balance;
         EXPECT_TRUE(test::until([&] { return inside[0]->load() + inside[1]->load() == 0; }));
     }
     history->costs.end();
@@ -373,11 +374,13 @@ TEST_F(Team, EveryFrameIsWholeWhateverHappens) {
             }
         }
         for (uint32_t sample = 0; sample < 4; sample++) {
-            if (sample == 2) for (auto& device : held) device->hold();
+            if (sample == 2)
+                for (auto& device : held) device->hold();
             const ScheduleResult result = render(sample);
             ASSERT_TRUE(result.missing.empty()) << "seed " << seed;
             for (const auto& [name, why] : result.failures) {
-                for (size_t i = 0; i < devices.size(); i++) if (devices[i]->info().name == name) blocked[i] = why;
+                for (size_t i = 0; i < devices.size(); i++)
+                    if (devices[i]->info().name == name) blocked[i] = why;
             }
         }
         for (auto& device : held) device->release();

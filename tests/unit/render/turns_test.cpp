@@ -78,7 +78,9 @@ TEST(Turns, AnEndedTurnWakesTheNextAloneAndNotEverybody) {
 /// A clock that stands until it is moved.
 struct Clock {
     std::atomic<double> seconds{0.0};
-    std::function<double()> reader() { return [this] { return seconds.load(); }; }
+    std::function<double()> reader() {
+        return [this] { return seconds.load(); };
+    }
 };
 
 /// Takes a turn of that length.

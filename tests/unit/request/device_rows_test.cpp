@@ -49,7 +49,8 @@ TEST(DeviceRows, SettingsSwitchOffTheirOwnDeviceAlone) {
 }
 
 TEST(DeviceRows, TheSettingOffersTheirWords) {
-    EXPECT_THAT(std::string(DEVICE_WORDS), testing::StartsWith("auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3|raster|"));
+    EXPECT_THAT(std::string(DEVICE_WORDS),
+                testing::StartsWith("auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3|raster|"));
     EXPECT_THAT(std::string(DEVICE_WORDS), testing::EndsWith("|hybrid"));
 }
 

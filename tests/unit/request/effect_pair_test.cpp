@@ -8,7 +8,8 @@ namespace heliograph {
 namespace {
 
 std::shared_ptr<const Scene> glassScene() {
-    return test::squareScene([](Material& m) { m.transmission = 1.0f, m.roughness = 0.0f, m.flags = MATERIAL_VOLUME; }, "glass");
+    return test::squareScene([](Material& m) { m.transmission = 1.0f, m.roughness = 0.0f, m.flags = MATERIAL_VOLUME; },
+                             "glass");
 }
 
 FrameRequest request(const Settings& settings = {}) {
@@ -30,7 +31,8 @@ TEST(EffectPair, OnAndOffDifferInTheEffectsBitAlone) {
     const std::vector<EffectPair> pairs = effectPairs(effects, request());
     ASSERT_EQ(pairs.size(), effectNames({~0u}).size()) << "one a row of the table";
     for (const EffectPair& pair : pairs) {
-        EXPECT_EQ(pair.on.effects.bits & ~pair.off.effects.bits, pair.effect.calledFor ? pair.effect.bit : 0u) << pair.effect.name;
+        EXPECT_EQ(pair.on.effects.bits & ~pair.off.effects.bits, pair.effect.calledFor ? pair.effect.bit : 0u)
+            << pair.effect.name;
         EXPECT_EQ(pair.off.effects.bits & ~pair.on.effects.bits, 0u) << pair.effect.name;
         EXPECT_EQ(pair.on.settings, pair.off.settings) << pair.effect.name;
         EXPECT_EQ(pair.differs(), pair.effect.calledFor) << pair.effect.name;

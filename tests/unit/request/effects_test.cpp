@@ -36,8 +36,8 @@ ImageData plainImage(uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha = 2
 }
 
 TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
-    EXPECT_EQ(effectNames(effectsOf(*squareScene())), (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog", "motionBlur",
-                                        "indirectLight"}))
+    EXPECT_EQ(effectNames(effectsOf(*squareScene())),
+              (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog", "motionBlur", "indirectLight"}))
         << "the last ones are the viewer's choice";
 }
 
@@ -77,25 +77,83 @@ TEST(EffectSet, WhatAFileWouldHaveMovingIsToldAndCostsNothing) {
 }
 
 TEST(EffectSet, ReflectionsComeFromSmoothMirrorsAndGlass) {
-    EXPECT_FALSE(calls([](Material& m) { m.metallic = 0.0f; m.roughness = 1.0f; }, EFFECT_REFLECTIONS));
-    EXPECT_TRUE(calls([](Material& m) { m.metallic = 1.0f; m.roughness = 0.1f; }, EFFECT_REFLECTIONS));
-    EXPECT_FALSE(calls([](Material& m) { m.metallic = 1.0f; m.roughness = 0.7f; }, EFFECT_REFLECTIONS));
-    EXPECT_TRUE(calls([](Material& m) { m.metallic = 0.0f; m.roughness = 0.1f; m.ior = 1.5f; }, EFFECT_REFLECTIONS))
+    EXPECT_FALSE(calls(
+        [](Material& m) {
+            m.metallic = 0.0f;
+            m.roughness = 1.0f;
+        },
+        EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls(
+        [](Material& m) {
+            m.metallic = 1.0f;
+            m.roughness = 0.1f;
+        },
+        EFFECT_REFLECTIONS));
+    EXPECT_FALSE(calls(
+        [](Material& m) {
+            m.metallic = 1.0f;
+            m.roughness = 0.7f;
+        },
+        EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls(
+        [](Material& m) {
+            m.metallic = 0.0f;
+            m.roughness = 0.1f;
+            m.ior = 1.5f;
+        },
+        EFFECT_REFLECTIONS))
         << "a polished surface";
-    EXPECT_FALSE(calls([](Material& m) { m.metallic = 0.0f; m.roughness = 0.1f; m.ior = 1.0f; }, EFFECT_REFLECTIONS));
-    EXPECT_TRUE(calls([](Material& m) { m.roughness = 1.0f; m.transmission = 0.5f; }, EFFECT_REFLECTIONS));
-    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_PHONG; m.mirror = 0.3f; }, EFFECT_REFLECTIONS));
-    EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_PHONG; m.mirror = 0.0f; m.roughness = 0.0f; }, EFFECT_REFLECTIONS));
-    auto unlit = [](Material& m) { m.flags = MATERIAL_UNLIT; m.metallic = 1.0f; m.roughness = 0.0f; };
+    EXPECT_FALSE(calls(
+        [](Material& m) {
+            m.metallic = 0.0f;
+            m.roughness = 0.1f;
+            m.ior = 1.0f;
+        },
+        EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls(
+        [](Material& m) {
+            m.roughness = 1.0f;
+            m.transmission = 0.5f;
+        },
+        EFFECT_REFLECTIONS));
+    EXPECT_TRUE(calls(
+        [](Material& m) {
+            m.flags = MATERIAL_PHONG;
+            m.mirror = 0.3f;
+        },
+        EFFECT_REFLECTIONS));
+    EXPECT_FALSE(calls(
+        [](Material& m) {
+            m.flags = MATERIAL_PHONG;
+            m.mirror = 0.0f;
+            m.roughness = 0.0f;
+        },
+        EFFECT_REFLECTIONS));
+    auto unlit = [](Material& m) {
+        m.flags = MATERIAL_UNLIT;
+        m.metallic = 1.0f;
+        m.roughness = 0.0f;
+    };
     EXPECT_FALSE(calls(unlit, EFFECT_REFLECTIONS));
 }
 
 TEST(EffectSet, GlossyIsWhatIsNeitherAMirrorNorRough) {
-    const auto metal = [](float roughness) { return [roughness](Material& m) { m.metallic = 1.0f; m.roughness = roughness; }; };
+    const auto metal = [](float roughness) {
+        return [roughness](Material& m) {
+            m.metallic = 1.0f;
+            m.roughness = roughness;
+        };
+    };
     EXPECT_FALSE(calls(metal(0.0f), EFFECT_GLOSSY_REFLECTIONS));
     EXPECT_TRUE(calls(metal(0.1f), EFFECT_GLOSSY_REFLECTIONS));
     EXPECT_FALSE(calls(metal(0.4f), EFFECT_GLOSSY_REFLECTIONS));
-    EXPECT_FALSE(calls([](Material& m) { m.transmission = 1.0f; m.roughness = 0.1f; }, EFFECT_GLOSSY_REFLECTIONS)) << "rough glass";
+    EXPECT_FALSE(calls(
+        [](Material& m) {
+            m.transmission = 1.0f;
+            m.roughness = 0.1f;
+        },
+        EFFECT_GLOSSY_REFLECTIONS))
+        << "rough glass";
     Settings settings;
     EXPECT_FALSE(allowedEffects(settings).has(EFFECT_GLOSSY_REFLECTIONS));
     settings.glossyReflections = true;
@@ -122,18 +180,35 @@ TEST(EffectSet, RoughnessTexturesAreLookedInto) {
 }
 
 TEST(EffectSet, TransmissionCallsForRefractionsAndCoarserThings) {
-    auto clear = [](Material& m) { m.transmission = 1.0f; m.flags = MATERIAL_VOLUME; m.roughness = 0.0f; };
+    auto clear = [](Material& m) {
+        m.transmission = 1.0f;
+        m.flags = MATERIAL_VOLUME;
+        m.roughness = 0.0f;
+    };
     auto glass = squareScene(clear, "glass");
     EXPECT_TRUE(effectsOf(*glass).has(EFFECT_REFRACTIONS));
     EXPECT_TRUE(effectsOf(*glass).has(EFFECT_TRANSPARENT_SHADOWS));
     EXPECT_FALSE(effectsOf(*glass).has(EFFECT_ABSORPTION));
     EXPECT_EQ(reasonFor(*glass, EFFECT_REFRACTIONS).because, "1 material (glass), 2 triangles");
     EXPECT_EQ(reasonFor(*squareScene(), EFFECT_REFRACTIONS).because, "no transmissive material");
-    auto tinted = [](Material& m) { m.transmission = 1.0f; m.flags = MATERIAL_VOLUME; m.absorption = vec4(1, 0, 0, 0); };
+    auto tinted = [](Material& m) {
+        m.transmission = 1.0f;
+        m.flags = MATERIAL_VOLUME;
+        m.absorption = vec4(1, 0, 0, 0);
+    };
     EXPECT_TRUE(calls(tinted, EFFECT_ABSORPTION));
-    auto thin = [](Material& m) { m.transmission = 1.0f; m.absorption = vec4(1, 0, 0, 0); };
+    auto thin = [](Material& m) {
+        m.transmission = 1.0f;
+        m.absorption = vec4(1, 0, 0, 0);
+    };
     EXPECT_FALSE(calls(thin, EFFECT_ABSORPTION)) << "a thin wall has no inside";
-    EXPECT_FALSE(calls([](Material& m) { m.transmission = 1.0f; m.metallic = 1.0f; }, EFFECT_REFRACTIONS)) << "metal is opaque";
+    EXPECT_FALSE(calls(
+        [](Material& m) {
+            m.transmission = 1.0f;
+            m.metallic = 1.0f;
+        },
+        EFFECT_REFRACTIONS))
+        << "metal is opaque";
 }
 
 TEST(EffectSet, AlphaAndEmission) {
@@ -143,8 +218,18 @@ TEST(EffectSet, AlphaAndEmission) {
     EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_MASK; }, EFFECT_ALPHA_MASK)) << "no hole anywhere";
     EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; }, EFFECT_ALPHA_BLEND)) << "solid everywhere";
     EXPECT_FALSE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; }, EFFECT_TRANSPARENT_SHADOWS));
-    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; m.baseColor.w = 0.5f; }, EFFECT_ALPHA_BLEND));
-    EXPECT_TRUE(calls([](Material& m) { m.flags = MATERIAL_ALPHA_BLEND; m.baseColor.w = 0.5f; }, EFFECT_TRANSPARENT_SHADOWS));
+    EXPECT_TRUE(calls(
+        [](Material& m) {
+            m.flags = MATERIAL_ALPHA_BLEND;
+            m.baseColor.w = 0.5f;
+        },
+        EFFECT_ALPHA_BLEND));
+    EXPECT_TRUE(calls(
+        [](Material& m) {
+            m.flags = MATERIAL_ALPHA_BLEND;
+            m.baseColor.w = 0.5f;
+        },
+        EFFECT_TRANSPARENT_SHADOWS));
     EXPECT_TRUE(calls([](Material& m) { m.emission = vec4(0, 0, 2, 0); }, EFFECT_EMISSION));
     EXPECT_FALSE(calls({}, EFFECT_EMISSION));
 }
@@ -213,7 +298,8 @@ TEST(EffectSet, BlackLightsCastNoShadows) {
 
 TEST(EffectSet, NothingFallsOnUnlitSurfaces) {
     const auto scene = squareScene([](Material& m) { m.flags |= MATERIAL_UNLIT; });
-    for (uint32_t effect : {EFFECT_SHADOWS, EFFECT_TRANSPARENT_SHADOWS, EFFECT_SOFT_SHADOWS, EFFECT_AMBIENT_OCCLUSION, EFFECT_INDIRECT_LIGHT}) {
+    for (uint32_t effect :
+         {EFFECT_SHADOWS, EFFECT_TRANSPARENT_SHADOWS, EFFECT_SOFT_SHADOWS, EFFECT_AMBIENT_OCCLUSION, EFFECT_INDIRECT_LIGHT}) {
         EXPECT_FALSE(effectsOf(*scene).has(effect));
         EXPECT_EQ(reasonFor(*scene, effect).because, "every surface is unlit");
     }

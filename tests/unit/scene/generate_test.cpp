@@ -61,8 +61,7 @@ std::vector<WorldTriangle> worldTriangles(const Scene& scene) {
 
 std::string describe(const Scene& scene, const WorldTriangle& t) {
     std::ostringstream text;
-    text << scene.materialNames[t.material] << " at (" << t.center().x << ", " << t.center().y << ", " << t.center().z
-         << ")";
+    text << scene.materialNames[t.material] << " at (" << t.center().x << ", " << t.center().y << ", " << t.center().z << ")";
     return text.str();
 }
 
@@ -111,8 +110,7 @@ float longestEdge(const WorldTriangle& t) {
 
 /// Pairs that lie in one plane (to `gap` metres) and share more than a strip of `width` metres along the smaller one.
 /// Rounding makes neighbours share slivers of a micrometre.
-std::vector<std::pair<size_t, size_t>> overlappingPairs(const std::vector<WorldTriangle>& list, float gap,
-                                                        double width) {
+std::vector<std::pair<size_t, size_t>> overlappingPairs(const std::vector<WorldTriangle>& list, float gap, double width) {
     using Key = std::tuple<int, int, int, int>;
     std::map<Key, std::vector<size_t>> planes;
     for (size_t i = 0; i < list.size(); ++i) {
@@ -128,8 +126,7 @@ std::vector<std::pair<size_t, size_t>> overlappingPairs(const std::vector<WorldT
         // Two overlapping sets of slabs: planes closer than half a slab share at least one.
         for (int half = 0; half < 2; ++half) {
             const int slab = int(std::floor(d / (2.0f * gap) + 0.5f * float(half))) * 2 + half;
-            planes[{int(std::lround(n.x * 1000.0f)), int(std::lround(n.y * 1000.0f)), int(std::lround(n.z * 1000.0f)),
-                    slab}]
+            planes[{int(std::lround(n.x * 1000.0f)), int(std::lround(n.y * 1000.0f)), int(std::lround(n.z * 1000.0f)), slab}]
                 .push_back(i);
         }
     }
@@ -148,8 +145,7 @@ std::vector<std::pair<size_t, size_t>> overlappingPairs(const std::vector<WorldT
         for (size_t i = 0; i < members.size(); ++i) {
             const Flat flat = flattened(list[members[i]], dropped);
             for (size_t j = i + 1; j < members.size() && low(members[j], axis) < high(members[i], axis); ++j) {
-                if (low(members[j], other) >= high(members[i], other) ||
-                    high(members[j], other) <= low(members[i], other))
+                if (low(members[j], other) >= high(members[i], other) || high(members[j], other) <= low(members[i], other))
                     continue;
                 const double edge = std::min(longestEdge(list[members[i]]), longestEdge(list[members[j]]));
                 if (commonArea(flat, flattened(list[members[j]], dropped)) > width * edge)
@@ -178,8 +174,7 @@ float distanceToTriangle(vec3 p, const WorldTriangle& t) {
     const float vb = d5 * d2 - d1 * d6;
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return glm::length(p - (a + ac * (d2 / (d2 - d6))));
     const float va = d3 * d6 - d5 * d4;
-    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-        return glm::length(p - (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))));
+    if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return glm::length(p - (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))));
     const float sum = va + vb + vc;
     return sum > 0 ? glm::length(p - (a + ab * (vb / sum) + ac * (vc / sum))) : glm::length(p - a);
 }
@@ -204,10 +199,8 @@ protected:
 };
 
 TEST_P(GeneratedScene, HasAsManyTrianglesAsItsDescriptionSays) {
-    static const std::map<std::string, std::pair<uint64_t, uint64_t>> range = {{"courtyard", {60000, 70000}},
-                                                                               {"cathedral", {70000, 80000}},
-                                                                               {"glass", {90000, 100000}},
-                                                                               {"cornell", {30, 10000}}};
+    static const std::map<std::string, std::pair<uint64_t, uint64_t>> range = {
+        {"courtyard", {60000, 70000}}, {"cathedral", {70000, 80000}}, {"glass", {90000, 100000}}, {"cornell", {30, 10000}}};
     const auto [low, high] = ofEffect() ? std::pair<uint64_t, uint64_t>(30, 20000) : range.at(GetParam());
     EXPECT_GE(generated(GetParam())->triangleCount(), low);
     EXPECT_LE(generated(GetParam())->triangleCount(), high);
@@ -224,9 +217,7 @@ TEST_P(GeneratedScene, IsTheSameEveryTime) {
     EXPECT_EQ(builder.finish()->contentHash, generated(GetParam())->contentHash);
 }
 
-TEST_P(GeneratedScene, FitsItsMemory) {
-    EXPECT_LE(generated(GetParam())->texels.size() * 4, size_t(26) << 20);
-}
+TEST_P(GeneratedScene, FitsItsMemory) { EXPECT_LE(generated(GetParam())->texels.size() * 4, size_t(26) << 20); }
 
 TEST_P(GeneratedScene, HasLightsCamerasAndAPath) {
     const auto scene = generated(GetParam());
@@ -268,8 +259,7 @@ TEST_P(GeneratedScene, HasNormalsOnTheSideOfTheFaces) {
 TEST_P(GeneratedScene, HasClosedGlassBodies) {
     const auto scene = generated(GetParam());
     using Corner = std::tuple<float, float, float>;
-    std::map<std::pair<uint32_t, uint32_t>, std::map<std::pair<Corner, Corner>, int>>
-        bodies;  // (instance, material): edges
+    std::map<std::pair<uint32_t, uint32_t>, std::map<std::pair<Corner, Corner>, int>> bodies;  // (instance, material): edges
     std::map<std::pair<uint32_t, uint32_t>, double> volume;
     for (const WorldTriangle& t : worldTriangles(*scene)) {
         if ((scene->materials[t.material].flags & MATERIAL_VOLUME) == 0) continue;
@@ -304,8 +294,7 @@ TEST_P(GeneratedScene, KeepsItsCamerasAndPathsClearOfEverything) {
     for (const NamedCamera& camera : scene->cameras) check(camera.name, camera.position);
     for (const CameraPath& path : scene->paths) {
         for (int i = 0; i < 400; ++i) {
-            if (!check(path.name + " " + std::to_string(i / 4) + " %", cameraOnPath(path, i / 400.0, 60.0f).position))
-                break;
+            if (!check(path.name + " " + std::to_string(i / 4) + " %", cameraOnPath(path, i / 400.0, 60.0f).position)) break;
         }
     }
 }
@@ -316,8 +305,7 @@ TEST_P(GeneratedScene, IsDescribedAsItIs) {
     while (std::getline(file, line))
         if (line.starts_with("| `" + GetParam() + "`")) rows += line + "\n";
     const auto scene = generated(GetParam());
-    for (const NamedCamera& camera : scene->cameras)
-        EXPECT_NE(rows.find(camera.name), std::string::npos) << camera.name;
+    for (const NamedCamera& camera : scene->cameras) EXPECT_NE(rows.find(camera.name), std::string::npos) << camera.name;
     for (const CameraPath& path : scene->paths) {
         const std::string text = path.name + " (" + std::to_string(int(path.seconds)) + ")";
         EXPECT_NE(rows.find(text), std::string::npos) << text;
@@ -332,7 +320,8 @@ std::vector<std::string> names() {
 
 INSTANTIATE_TEST_SUITE_P(All, GeneratedScene, testing::ValuesIn(names()), [](const auto& info) {
     std::string word = info.param;
-    std::replace_if(word.begin(), word.end(), [](char c) { return c == '/' || c == '-'; }, '_');
+    std::replace_if(
+        word.begin(), word.end(), [](char c) { return c == '/' || c == '-'; }, '_');
     return word;
 });
 
@@ -347,19 +336,16 @@ TEST(GenerateScene, NamesTheKnownScenesForAnUnknownOne) {
 }
 
 TEST(OverlappingPairs, FindsFacesThatLieOnEachOtherAndNotThoseThatTouch) {
-    auto triangle = [](vec3 a, vec3 b, vec3 c) {
-        return WorldTriangle{.corner = {a, b, c}, .material = 0, .instance = 0};
-    };
+    auto triangle = [](vec3 a, vec3 b, vec3 c) { return WorldTriangle{.corner = {a, b, c}, .material = 0, .instance = 0}; };
     const WorldTriangle a = triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
     EXPECT_EQ(overlappingPairs({a, triangle({0.2f, 0.2f, 0}, {0, 1, 0}, {1, 0, 0})}, 1e-4f, 2e-5).size(), 1u);
-    EXPECT_EQ(overlappingPairs({a, triangle({0.1f, 0.1f, 0.00002f}, {0.1f, 0.9f, 0.00002f}, {0.9f, 0.1f, 0.00002f})},
-                               1e-4f, 2e-5)
-                  .size(),
-              1u);
+    EXPECT_EQ(
+        overlappingPairs({a, triangle({0.1f, 0.1f, 0.00002f}, {0.1f, 0.9f, 0.00002f}, {0.9f, 0.1f, 0.00002f})}, 1e-4f, 2e-5)
+            .size(),
+        1u);
     EXPECT_EQ(overlappingPairs({a, triangle({1, 1, 0}, {0, 1, 0}, {1, 0, 0})}, 1e-4f, 2e-5).size(), 0u);
     EXPECT_EQ(
-        overlappingPairs({a, triangle({0.1f, 0.1f, 0.001f}, {0.9f, 0.1f, 0.001f}, {0.1f, 0.9f, 0.001f})}, 1e-4f, 2e-5)
-            .size(),
+        overlappingPairs({a, triangle({0.1f, 0.1f, 0.001f}, {0.9f, 0.1f, 0.001f}, {0.1f, 0.9f, 0.001f})}, 1e-4f, 2e-5).size(),
         0u);
 }
 

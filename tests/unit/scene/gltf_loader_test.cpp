@@ -47,7 +47,10 @@ TEST(GltfLoader, ReadsTextAndBinary) {
 // KHR_lights_punctual has points alone; an extent is an extra of ours.
 TEST(GltfLoader, ReadsTheRadiusOfALightFromItsExtras) {
     const auto lightOf = [](const std::string& extras) {
-        std::string json = triangleJson(dataUri(triangleBytes()), R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5)" + extras + "}]}}");
+        std::string json = triangleJson(
+            dataUri(triangleBytes()),
+            R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":5)" +
+                extras + "}]}}");
         const std::string node = R"("nodes":[{"mesh":0}])";
         json.replace(json.find(node), node.size(), R"("nodes":[{"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}}])");
         return openText(json)->lights.at(0);
@@ -63,7 +66,9 @@ TEST(GltfLoader, RemembersWhatTheFileWouldHaveMoving) {
     const std::string sampler = R"("samplers":[{"input":0,"output":0}],"channels":[{"sampler":0,"target":{"path":"scale"}}]})";
     const std::string animations = R"(,"animations":[{"name":"walk",)" + sampler + ",{" + sampler + "]";
     std::string json = triangleJson(dataUri(triangleBytes()), animations + R"(,"skins":[{"joints":[0]}])");
-    const auto change = [&json](const std::string& from, const std::string& to) { json.replace(json.find(from), from.size(), to); };
+    const auto change = [&json](const std::string& from, const std::string& to) {
+        json.replace(json.find(from), from.size(), to);
+    };
     change(R"("nodes":[{"mesh":0}])", R"("nodes":[{"mesh":0,"skin":0}])");
     change(R"({"POSITION":0})", R"({"POSITION":0},"targets":[{"POSITION":0}])");
     const auto scene = openText(json);
@@ -96,8 +101,8 @@ TEST(GltfLoader, NeverLeavesItsFolder) {
             EXPECT_THAT(error.what(), ::testing::AnyOf(HasSubstr("/buffers/0/uri"), HasSubstr("no regular file"),
                                                        HasSubstr("/bufferViews/0")));
         }
-        const std::string image = R"(,"images":[{"uri":")" + uri +
-                                  R"("}],"textures":[{"source":0}],"materials":[{"emissiveTexture":{"index":0}}])";
+        const std::string image =
+            R"(,"images":[{"uri":")" + uri + R"("}],"textures":[{"source":0}],"materials":[{"emissiveTexture":{"index":0}}])";
         const std::string withImage = outer.write("scene/image.gltf", triangleJson("inside.bin", image));
         try {
             EXPECT_EQ(openScene(withImage)->images.size(), 0u);
@@ -114,8 +119,7 @@ TEST(GltfLoader, RefusesUnknownRequiredExtensionsAndWarnsOfUsedOnes) {
                 AllOf(HasSubstr("/extensionsRequired"), HasSubstr("ABC_x"), HasSubstr("KHR_lights_punctual")));
     EXPECT_THAT(
         refusal(triangleJson(
-            uri,
-            R"(,"extensionsUsed":["KHR_draco_mesh_compression"],"extensionsRequired":["KHR_draco_mesh_compression"])")),
+            uri, R"(,"extensionsUsed":["KHR_draco_mesh_compression"],"extensionsRequired":["KHR_draco_mesh_compression"])")),
         HasSubstr("compressed geometry"));
     EXPECT_THAT(openText(triangleJson(uri, R"(,"extensionsUsed":["ABC_x"])"))->warnings, Contains(HasSubstr("ABC_x")));
 }
@@ -151,9 +155,8 @@ TEST(GltfLoader, RefusesWhatPointsOutside) {
 
 TEST(GltfLoader, RefusesDeepJsonAndMissingFiles) {
     EXPECT_THAT(refusal(std::string(100000, '[')), HasSubstr("nested"));
-    EXPECT_THAT(
-        refusal(R"({"asset":{"version":"2.0"},"extras":)" + std::string(5000, '[') + std::string(5000, ']') + "}"),
-        HasSubstr("nested"));
+    EXPECT_THAT(refusal(R"({"asset":{"version":"2.0"},"extras":)" + std::string(5000, '[') + std::string(5000, ']') + "}"),
+                HasSubstr("nested"));
     EXPECT_THAT(refusal(""), HasSubstr("JSON"));
     EXPECT_THAT(refusal(triangleJson("none.bin")), HasSubstr("does not exist"));
     EXPECT_THAT(refusal(std::string("glTF\2\0\0\0", 8), "a.glb"), HasSubstr("header"));
@@ -177,8 +180,7 @@ TEST(GltfLoader, RefusesBombsOfSmallFiles) {
                 HasSubstr("for a file of this size"));
     // Many primitives that read the same bytes again and again.
     std::string primitives;
-    for (int i = 0; i < 3000; i++)
-        primitives += std::string(i ? "," : "") + R"({"attributes":{"POSITION":0},"indices":1})";
+    for (int i = 0; i < 3000; i++) primitives += std::string(i ? "," : "") + R"({"attributes":{"POSITION":0},"indices":1})";
     EXPECT_THAT(
         refusal(
             R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
@@ -201,20 +203,18 @@ TEST(GltfLoader, RefusesEveryTruncation) {
 /// A mesh with explicit primitive JSON over one buffer.
 std::string meshJson(const std::string& primitive, const std::string& accessors, const std::string& views,
                      const std::string& bytes, const std::string& extra = {}) {
-    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" +
-           primitive + R"(]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views +
-           R"(],"buffers":[{"byteLength":)" + std::to_string(bytes.size()) + R"(,"uri":")" + dataUri(bytes) + R"("}])" +
-           extra + "}";
+    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[)" + primitive +
+           R"(]}],"accessors":[)" + accessors + R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" +
+           std::to_string(bytes.size()) + R"(,"uri":")" + dataUri(bytes) + R"("}])" + extra + "}";
 }
 
 TEST(GltfLoader, AssemblesStripsAndFans) {
     const std::string bytes = bytesOf<float>({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
-    const std::string accessor =
-        R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]})";
+    const std::string accessor = R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]})";
     const std::string view = R"({"buffer":0,"byteLength":48})";
     for (const int mode : {5, 6}) {
-        const auto scene = openText(
-            meshJson(R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}", accessor, view, bytes));
+        const auto scene =
+            openText(meshJson(R"({"attributes":{"POSITION":0},"mode":)" + std::to_string(mode) + "}", accessor, view, bytes));
         ASSERT_EQ(scene->triangleCount(), 2u);
         const uvec4 first = scene->triangles[0], second = scene->triangles[1];
         EXPECT_EQ(positionOf(*scene, first.x), vec3(0, 0, 0));
@@ -262,8 +262,8 @@ TEST(GltfLoader, ComposesDeepHierarchiesInDouble) {
     EXPECT_NEAR(scene->bounds.high.x, DEPTH, 1e-3f);
     // Mirrored along z: the front still looks along the turned +z, now -z.
     const uvec4 t = scene->triangles[0];
-    const vec3 normal = glm::cross(positionOf(*scene, t.y) - positionOf(*scene, t.x),
-                                   positionOf(*scene, t.z) - positionOf(*scene, t.x));
+    const vec3 normal =
+        glm::cross(positionOf(*scene, t.y) - positionOf(*scene, t.x), positionOf(*scene, t.z) - positionOf(*scene, t.x));
     EXPECT_LT(normal.z, 0.0f);
     EXPECT_LT(scene->attributes[0].normal.z, -0.999f);
 }

@@ -46,8 +46,7 @@ std::vector<ListedModel> listedModels() {
         std::istringstream stream(line.substr(1));
         for (std::string cell; std::getline(stream, cell, '|');) {
             const size_t first = cell.find_first_not_of(' ');
-            cells.push_back(first == std::string::npos ? ""
-                                                       : cell.substr(first, cell.find_last_not_of(' ') - first + 1));
+            cells.push_back(first == std::string::npos ? "" : cell.substr(first, cell.find_last_not_of(' ') - first + 1));
         }
         if (cells.size() >= 3) models.push_back({cells[0], cells[1], std::stoull(cells[2])});
     }

@@ -34,7 +34,7 @@ long peakMebibytes() {
 struct Verdict {
     bool accepted = false;
     std::vector<std::string> warnings;  // without those that any file gets
-    double seconds = 0.0;  // of processor time, so that a busy machine changes nothing
+    double seconds = 0.0;               // of processor time, so that a busy machine changes nothing
 };
 
 Verdict judge(const std::string& file) {
@@ -47,8 +47,7 @@ Verdict judge(const std::string& file) {
             if (warning.find("headlight") == std::string::npos && warning != "the scene has no triangles")
                 verdict.warnings.push_back(warning);
         }
-        for (const vec4& p : scene->positions)
-            EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+        for (const vec4& p : scene->positions) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
         for (const uvec4& t : scene->triangles) EXPECT_LT(std::max({t.x, t.y, t.z}), scene->attributes.size());
     } catch (const InputError& error) {
         EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
@@ -94,8 +93,7 @@ TEST(HostileFiles, AreRefusedOrRepairedWithAWarning) {
             << "accepted without a word although: " << ::testing::PrintToString(errors);
     }
     std::cout << files.size() << " files: " << accepted << " accepted, " << refused << " refused; " << reports
-              << " have errors by the validator; slowest " << slowest << " s, peak " << peakMebibytes() << " MiB"
-              << std::endl;
+              << " have errors by the validator; slowest " << slowest << " s, peak " << peakMebibytes() << " MiB" << std::endl;
     EXPECT_GT(reports, 100u);
     EXPECT_LT(slowest, MOST_SECONDS);
     EXPECT_LT(peakMebibytes(), MOST_MEBIBYTES);
@@ -117,8 +115,7 @@ std::string boxGlb() {
             normals += bytesOf({n[0], n[1], n[2]});
         }
         const uint16_t b = static_cast<uint16_t>(face * 4);
-        indices +=
-            bytesOf<uint16_t>({b, uint16_t(b + 1), uint16_t(b + 2), uint16_t(b + 2), uint16_t(b + 1), uint16_t(b + 3)});
+        indices += bytesOf<uint16_t>({b, uint16_t(b + 1), uint16_t(b + 2), uint16_t(b + 2), uint16_t(b + 1), uint16_t(b + 3)});
     }
     const std::string json =
         R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"matrix":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1]},{"mesh":0}],)"

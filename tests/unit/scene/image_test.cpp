@@ -12,8 +12,7 @@ namespace {
 
 /// What the kernel evaluates (environmentAmbient).
 glm::dvec3 evaluate(const Environment& e, glm::dvec3 d) {
-    const double basis[9] = {
-        1, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3 * d.z * d.z - 1, d.x * d.z, d.x * d.x - d.y * d.y};
+    const double basis[9] = {1, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3 * d.z * d.z - 1, d.x * d.z, d.x * d.x - d.y * d.y};
     glm::dvec3 sum(0.0);
     for (int i = 0; i < 9; i++) sum += glm::dvec3(e.ambient[i].x, e.ambient[i].y, e.ambient[i].z) * basis[i];
     return sum;
@@ -25,8 +24,7 @@ glm::dvec3 directionOf(uint32_t x, uint32_t y, uint32_t width, uint32_t height, 
     return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 
-Environment environmentOf(uint32_t width, uint32_t height, float rotation,
-                          const std::function<vec3(glm::dvec3)>& radiance) {
+Environment environmentOf(uint32_t width, uint32_t height, float rotation, const std::function<vec3(glm::dvec3)>& radiance) {
     ImageData image;
     image.width = width;
     image.height = height;
@@ -61,12 +59,11 @@ TEST(Ambient, MatchesTheIntegralOfALowOrderSky) {
     // part.
     const glm::dvec3 a(0.3, 0.5, -0.4);
     const auto second = [](glm::dvec3 d) {
-        return 0.5 * d.x * d.y - 0.4 * d.y * d.z + 0.3 * d.x * d.z + 0.2 * (d.x * d.x - d.y * d.y) +
-               0.1 * (3 * d.z * d.z - 1);
+        return 0.5 * d.x * d.y - 0.4 * d.y * d.z + 0.3 * d.x * d.z + 0.2 * (d.x * d.x - d.y * d.y) + 0.1 * (3 * d.z * d.z - 1);
     };
     for (const float rotation : {0.0f, 1.1f}) {
-        const Environment e = environmentOf(512, 256, rotation,
-                                            [&](glm::dvec3 d) { return vec3(float(2 + glm::dot(a, d) + second(d))); });
+        const Environment e =
+            environmentOf(512, 256, rotation, [&](glm::dvec3 d) { return vec3(float(2 + glm::dot(a, d) + second(d))); });
         for (const glm::dvec3 d :
              {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::normalize(glm::dvec3(-1, 2, 3))})
             EXPECT_NEAR(evaluate(e, d).x, 2 + glm::dot(a, d) * 2 / 3 + second(d) / 4, 2e-4);

@@ -27,9 +27,9 @@ TEST(ObjLoader, SmoothsUnderTheCreaseAngleOnly) {
     const ScratchFolder folder;
     // Two quads that meet at 90 degrees stay sharp, at 30 degrees they are smooth.
     const auto normals = [&](const std::string& z, const std::string& extra) {
-        const auto scene = openScene(
-            folder.write("a.obj", extra + "v 0 0 0\nv 0 1 0\nv 1 1 0\nv 1 0 0\nv 0 1 1\nv 0 0 1\nv -0.866 1 " + z +
-                                      "\nv -0.866 0 " + z + "\nf 4 3 2 1\nf 1 2 7 8\n"));
+        const auto scene =
+            openScene(folder.write("a.obj", extra + "v 0 0 0\nv 0 1 0\nv 1 1 0\nv 1 0 0\nv 0 1 1\nv 0 0 1\nv -0.866 1 " + z +
+                                                "\nv -0.866 0 " + z + "\nf 4 3 2 1\nf 1 2 7 8\n"));
         return scene->attributes.size();
     };
     EXPECT_EQ(normals("-0.5", ""), 6u);
@@ -47,10 +47,10 @@ TEST(ObjLoader, ReadsMaterials) {
                  "newmtl lamp\nKd 1 1 1\nKe 5 4 3\nmap_Kd missing.png\n"
                  "newmtl unused\nmap_Kd also-missing.png\n"
                  "newmtl metal\nKd 1 0.5 0\nPr 0.25\nPm 1\n");
-    const auto scene = openScene(folder.write(
-        "a.obj",
-        "mtllib m.mtl\n" + SQUARE +
-            "usemtl glass\nf 1 2 3\nusemtl veil\nf 1 2 3\nusemtl mirror\nf 1 2 3\nusemtl lamp\nf 1 2 3\nusemtl metal\nf 1 2 3\nusemtl nothing\nf 1 2 3\n"));
+    const auto scene =
+        openScene(folder.write("a.obj", "mtllib m.mtl\n" + SQUARE +
+                                            "usemtl glass\nf 1 2 3\nusemtl veil\nf 1 2 3\nusemtl mirror\nf 1 2 3\nusemtl "
+                                            "lamp\nf 1 2 3\nusemtl metal\nf 1 2 3\nusemtl nothing\nf 1 2 3\n"));
     ASSERT_EQ(scene->materials.size(), 6u);
     const Material &glass = scene->materials[1], &veil = scene->materials[2], &mirror = scene->materials[3],
                    &lamp = scene->materials[4], &metal = scene->materials[5];

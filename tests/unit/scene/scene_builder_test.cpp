@@ -79,11 +79,9 @@ TEST(SceneBuilder, BakedNormalsStayNormalUnderShearAndScale) {
     mesh.indices = {{0, 1, 2}};
     builder.addInstance(builder.addMesh(mesh), m);
     const auto scene = builder.finish();
-    const glm::dvec3 a = glm::dmat3(m) * glm::dvec3(mesh.positions[1]),
-                     b = glm::dmat3(m) * glm::dvec3(mesh.positions[2]);
+    const glm::dvec3 a = glm::dmat3(m) * glm::dvec3(mesh.positions[1]), b = glm::dmat3(m) * glm::dvec3(mesh.positions[2]);
     const glm::dvec3 expected = glm::normalize(glm::cross(a, b));
-    for (int i = 0; i < 3; i++)
-        EXPECT_GT(glm::dot(glm::dvec3(scene->attributes[i].normal), expected), std::cos(1.7e-4));
+    for (int i = 0; i < 3; i++) EXPECT_GT(glm::dot(glm::dvec3(scene->attributes[i].normal), expected), std::cos(1.7e-4));
 }
 
 TEST(SceneBuilder, SharesGeometryOfAMeshUsedTwice) {
@@ -209,7 +207,8 @@ TEST(SceneBuilder, TheFarthestRayIsFiniteInEveryInstance) {
         const uint32_t mesh = builder.addMesh(square()), ground = builder.addMesh(square());
         builder.addInstance(ground, glm::scale(mat4(1.0f), vec3(size)));
         for (int e = -14; e <= 12; e++) {
-            const mat4 turned = glm::rotate(glm::translate(mat4(1.0f), vec3(size)), 0.3f * static_cast<float>(e), vec3(1, 2, 3));
+            const mat4 turned =
+                glm::rotate(glm::translate(mat4(1.0f), vec3(size)), 0.3f * static_cast<float>(e), vec3(1, 2, 3));
             builder.addInstance(mesh, glm::scale(turned, vec3(std::pow(10.0f, static_cast<float>(e)))));
         }
         const auto scene = builder.finish();
@@ -247,8 +246,8 @@ TEST(SceneBuilder, MakesTangentsForNormalTexturesAlone) {
     for (const bool mirrored : {false, true}) {
         SceneBuilder builder("t");
         Material material = SceneBuilder::defaultMaterial();
-        material.normalTexture = builder.addTexture(
-            SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
+        material.normalTexture =
+            builder.addTexture(SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
         MeshData mesh = square();
         if (mirrored) {
             for (vec2& uv : mesh.uv0) uv.x = -uv.x;
@@ -270,8 +269,8 @@ TEST(SceneBuilder, MakesTangentsForNormalTexturesAlone) {
 TEST(SceneBuilder, DoublesVerticesBetweenMirroredTextureHalves) {
     SceneBuilder builder("t");
     Material material = SceneBuilder::defaultMaterial();
-    material.normalTexture = builder.addTexture(
-        SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
+    material.normalTexture =
+        builder.addTexture(SceneBuilder::defaultTexture(builder.addImage(plainImage(1, 1, {128, 128, 255, 255}, false))));
     MeshData mesh;  // u runs 0 1 0 along x: the right half is mirrored
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1, 1, 0}};
     mesh.uv0 = {{0, 1}, {1, 1}, {0, 1}, {1, 0}};
@@ -341,11 +340,14 @@ TEST(SceneBuilder, RepairsTheExtentOfLights) {
     EXPECT_EQ(lightOf([](Light& l) { l.radius = 0.5f; }).radius, 0.5f);
     EXPECT_EQ(lightOf([](Light& l) { l.radius = BAD; }).radius, 0.0f);
     EXPECT_EQ(lightOf([](Light& l) { l.radius = -1.0f; }).radius, 0.0f);
-    const auto quad = [](Light& l) { l.type = LIGHT_QUAD, l.direction = vec3(0, -3, 0), l.edge = vec3(1, 0, 0), l.aspect = 2.0f; };
+    const auto quad = [](Light& l) {
+        l.type = LIGHT_QUAD, l.direction = vec3(0, -3, 0), l.edge = vec3(1, 0, 0), l.aspect = 2.0f;
+    };
     EXPECT_EQ(lightOf(quad).type, uint32_t(LIGHT_QUAD));
     EXPECT_EQ(lightOf(quad).direction, vec3(0, -1, 0));
     EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.aspect = BAD; }).aspect, 0.0f);
-    EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.edge = vec3(0); }).type, uint32_t(LIGHT_HEADLIGHT)) << "left out: it has no size";
+    EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.edge = vec3(0); }).type, uint32_t(LIGHT_HEADLIGHT))
+        << "left out: it has no size";
     EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.edge.x = BAD; }).type, uint32_t(LIGHT_HEADLIGHT));
     EXPECT_EQ(lightOf([&](Light& l) { quad(l), l.direction = vec3(0); }).type, uint32_t(LIGHT_HEADLIGHT));
 }

@@ -5,7 +5,9 @@
 namespace heliograph {
 namespace {
 
-struct Counts { int together = 0, alone = 0; };
+struct Counts {
+    int together = 0, alone = 0;
+};
 
 /// Frames of cost 1 that take so long together and alone, from `now` on.
 Counts play(HybridTrial& trial, int frames, double together, double alone, double& now) {

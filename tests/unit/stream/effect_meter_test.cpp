@@ -63,7 +63,8 @@ EffectMeter::Order orderFor(std::shared_ptr<Device> device, uint64_t number = 1,
     EffectMeter::Order order;
     order.number = number;
     order.name = "square";
-    order.scene = std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), explainEffects(*scene), effectsOf(*scene)});
+    order.scene =
+        std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), explainEffects(*scene), effectsOf(*scene)});
     order.view.camera.position = vec3(0, 0, 4);
     order.view.resolution = size;
     return order;

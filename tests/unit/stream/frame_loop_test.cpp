@@ -267,7 +267,8 @@ TEST(FrameLoop, AfterInputStopsTheLastFrameCarriesTheLastInput) {
         }
         ASSERT_TRUE(s.viewer.until([&] {
             return !s.viewer.frames.empty() && s.viewer.frames.back().view.inputId == id && s.viewer.frames.back().final;
-        })) << "round " << round;
+        })) << "round "
+            << round;
         std::lock_guard lock(s.viewer.mutex);
         EXPECT_GE(s.viewer.frames.back().samples, last.settings.samples);  // more, if the film had them already
         EXPECT_EQ(s.viewer.colors.back().x, last.camera.position.x);
@@ -402,9 +403,9 @@ TEST(FrameLoop, WithoutMemoryForAFilmTheViewerIsToldAndKeepsTheLastPicture) {
     Viewer viewer;
     Turns turns;
     FrameLoop loop(turns, viewer, FilmPool([](Film& film, uvec2 resolution, uint32_t generation) {
-        if (resolution.x > 1000) throw std::bad_alloc();
-        film.reset(resolution, generation);
-    }));
+                       if (resolution.x > 1000) throw std::bad_alloc();
+                       film.reset(resolution, generation);
+                   }));
     loop.setScene(sceneOn(device), wish(1));
     ASSERT_TRUE(viewer.until([&] { return viewer.frames.size() == 1 && viewer.frames[0].final; }));
     ViewRequest large = wish(2);
@@ -425,9 +426,9 @@ TEST(FrameLoop, WithoutMemoryForAPictureTheFilmGoesOn) {
     Viewer viewer;
     Turns turns;
     FrameLoop loop(turns, viewer, FilmPool([](Film& film, uvec2 resolution, uint32_t generation) {
-        if (resolution.x > 48) throw std::bad_alloc();
-        film.reset(resolution, generation);
-    }));
+                       if (resolution.x > 48) throw std::bad_alloc();
+                       film.reset(resolution, generation);
+                   }));
     ViewRequest half = wish(1, 3);
     half.settings.renderScale = 0.5f;
     device->hold(true);

@@ -135,8 +135,13 @@ struct Line {
         say({{"type", "resolution"}, {"width", width}, {"height", height}, {"inputId", inputId}});
     }
     void look(uint32_t inputId, bool moving = false) {
-        say({{"type", "camera"}, {"inputId", inputId}, {"position", {inputId, 0, 0}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}},
-             {"fieldOfView", 60}, {"moving", moving}});
+        say({{"type", "camera"},
+             {"inputId", inputId},
+             {"position", {inputId, 0, 0}},
+             {"forward", {0, 0, -1}},
+             {"up", {0, 1, 0}},
+             {"fieldOfView", 60},
+             {"moving", moving}});
     }
     void ack(uint32_t frameId) { say({{"type", "ack"}, {"frameId", frameId}, {"presentedMs", 20}}); }
 
@@ -287,7 +292,8 @@ TEST(Session, FocusesOnWhatIsThereOrSaysThatNothingIs) {
     auto answered = [&](uint32_t inputId, const char* type) {
         line.say({{"type", "focus"}, {"x", 0.5}, {"y", 0.5}, {"inputId", inputId}});
         EXPECT_TRUE(line.socket->until([&] {
-            return std::ranges::any_of(line.socket->texts, [&](const json& m) { return m["type"] == type && m.value("inputId", json()) == inputId; });
+            return std::ranges::any_of(
+                line.socket->texts, [&](const json& m) { return m["type"] == type && m.value("inputId", json()) == inputId; });
         }));
         return line.socket->last(type);
     };
@@ -303,7 +309,8 @@ TEST(Session, FocusesOnWhatIsThereOrSaysThatNothingIs) {
 TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
     Line line;
     line.session->begin();
-    line.say({{"type", "settings"}, {"inputId", 2},
+    line.say({{"type", "settings"},
+              {"inputId", 2},
               {"values", {{"device", "hybrid"}, {"enableEmbree", false}, {"enableVulkan", false}}}});
     EXPECT_NE(line.socket->last("error")["message"].get<std::string>().find("true for one of them"), std::string::npos);
     line.say({{"type", "settings"}, {"values", {{"device", "hybrid"}, {"enableVulkan", false}}}, {"inputId", 3}});
@@ -312,7 +319,8 @@ TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
 
 TEST(Messages, StatisticsSayWhoTookPartAndWhyNot) {
     ViewerStats stats;
-    stats.schedule.devices = {{"embree"}, {"vulkan:0", {Part::parked, "switched off"}}, {"vulkan:1", {Part::parked, "lost it"}, true}};
+    stats.schedule.devices = {
+        {"embree"}, {"vulkan:0", {Part::parked, "switched off"}}, {"vulkan:1", {Part::parked, "lost it"}, true}};
     stats.schedule.devices[0].cost = 10.0;
     stats.schedule.devices[0].rate = 5e6;
     stats.schedule.begin = 1.0;
@@ -322,8 +330,12 @@ TEST(Messages, StatisticsSayWhoTookPartAndWhyNot) {
     stats.schedule.workers = {{0, 0, {{1.0, 1.75, 9, 0.75}}}};
     const json message = json::parse(statsMessage(stats));
     ASSERT_EQ(message["parts"].size(), 3u);
-    EXPECT_EQ(message["parts"][0], json({{"device", "embree"}, {"part", "works"}, {"reason", ""}, {"mraysPerSecond", 5.0},
-                                         {"share", 1.0}, {"idleShare", 0.25}}));
+    EXPECT_EQ(message["parts"][0], json({{"device", "embree"},
+                                         {"part", "works"},
+                                         {"reason", ""},
+                                         {"mraysPerSecond", 5.0},
+                                         {"share", 1.0},
+                                         {"idleShare", 0.25}}));
     EXPECT_EQ(message["parts"][1]["part"], "parked");
     EXPECT_EQ(message["parts"][1]["reason"], "switched off");
     EXPECT_EQ(message["parts"][2]["part"], "lost");
@@ -348,7 +360,13 @@ TEST(Session, FaultsAreAnsweredAndNothingElseHappens) {
     line.session->receive("nonsense");
     line.say({{"type", "reboot"}});
     EXPECT_EQ(line.socket->last("error")["about"], "reboot");
-    line.say({{"type", "camera"}, {"inputId", 3}, {"position", {0, 0, nullptr}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}}, {"fieldOfView", 60}, {"moving", false}});
+    line.say({{"type", "camera"},
+              {"inputId", 3},
+              {"position", {0, 0, nullptr}},
+              {"forward", {0, 0, -1}},
+              {"up", {0, 1, 0}},
+              {"fieldOfView", 60},
+              {"moving", false}});
     EXPECT_EQ(line.socket->last("error")["inputId"], 3);
     line.say({{"type", "scene"}, {"name", "../../etc/passwd"}});
     EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("first, second, bare"));
@@ -366,8 +384,13 @@ TEST(Session, ACameraOutOfReachIsRefusedAndTheLastOneStays) {
     ASSERT_TRUE(line.socket->untilFrame(1));
     uint32_t inputId = 2;
     for (double far : {1e6, 1e19, 1e38}) {
-        line.say({{"type", "camera"}, {"inputId", ++inputId}, {"position", {0, far, 0}}, {"forward", {0, 0, -1}}, {"up", {0, 1, 0}},
-                  {"fieldOfView", 60}, {"moving", false}});
+        line.say({{"type", "camera"},
+                  {"inputId", ++inputId},
+                  {"position", {0, far, 0}},
+                  {"forward", {0, 0, -1}},
+                  {"up", {0, 1, 0}},
+                  {"fieldOfView", 60},
+                  {"moving", false}});
         const json error = line.socket->last("error");
         EXPECT_EQ(error["inputId"], inputId);
         EXPECT_THAT(error["message"], HasSubstr("camera position: [0, 1e+"));
@@ -394,8 +417,9 @@ TEST(Session, EffectCostsComeOnDemand) {
     EXPECT_EQ(line.socket->last("error")["about"], "effectCosts");  // no resolution yet
     line.size();
     line.say({{"type", "effectCosts"}});
-    ASSERT_TRUE(line.socket->until([&] { return line.socket->texts.back().value("state", "") == "ready" &&
-                                                line.socket->texts.back()["type"] == "effectCosts"; }));
+    ASSERT_TRUE(line.socket->until([&] {
+        return line.socket->texts.back().value("state", "") == "ready" && line.socket->texts.back()["type"] == "effectCosts";
+    }));
     json costs = line.socket->last("effectCosts");
     EXPECT_EQ(costs["scene"], "first");
     EXPECT_EQ(costs["device"], "embree");
@@ -407,7 +431,8 @@ TEST(Session, EffectCostsComeOnDemand) {
     EXPECT_EQ(costs["rows"][0]["raysOff"], 64 * 48);
     EXPECT_TRUE(costs["rows"][0]["onMs"].is_number());
     EXPECT_TRUE(costs["rows"][0]["offMs"].is_number());
-    auto first = std::find_if(line.socket->texts.begin(), line.socket->texts.end(), [](const json& t) { return t["type"] == "effectCosts"; });
+    auto first = std::find_if(line.socket->texts.begin(), line.socket->texts.end(),
+                              [](const json& t) { return t["type"] == "effectCosts"; });
     EXPECT_EQ((*first)["state"], "measuring");
     EXPECT_EQ((*first)["share"], 0.0);
 }
@@ -426,8 +451,9 @@ TEST(Session, AnotherSceneEndsTheMeasuringOfTheOneBefore) {
     EXPECT_EQ(costs["state"], "failed");
     EXPECT_THAT(costs["what"], HasSubstr("scene was changed"));
     line.say({{"type", "effectCosts"}});
-    ASSERT_TRUE(line.socket->until([&] { return line.socket->texts.back().value("state", "") == "ready" &&
-                                                line.socket->texts.back()["type"] == "effectCosts"; }));
+    ASSERT_TRUE(line.socket->until([&] {
+        return line.socket->texts.back().value("state", "") == "ready" && line.socket->texts.back()["type"] == "effectCosts";
+    }));
     EXPECT_EQ(line.socket->last("effectCosts")["scene"], "second");
 }
 
@@ -459,7 +485,8 @@ TEST(Session, PicturesComeInTheirFormat) {
     EXPECT_EQ(line.socket->last("error")["about"], "picture");
     line.size();
     ASSERT_TRUE(line.socket->untilFrame(1));
-    for (auto [format, codec, first] : {std::tuple("png", FrameCodec::png, 0x89), {"exr", FrameCodec::exr, 0x76}, {"jpg", FrameCodec::jpeg, 0xff}}) {
+    for (auto [format, codec, first] :
+         {std::tuple("png", FrameCodec::png, 0x89), {"exr", FrameCodec::exr, 0x76}, {"jpg", FrameCodec::jpeg, 0xff}}) {
         size_t before = line.socket->headers.size();
         line.say({{"type", "picture"}, {"format", format}});
         ASSERT_TRUE(line.socket->untilFrame(before + 1)) << format;

@@ -12,14 +12,14 @@ namespace {
 /// The extension's functions, which the loader does not export.
 struct AnchorCalls {
 #define ANCHOR_CALL(name) PFN_##name name = nullptr;
-#define ANCHOR_CALLS                                                                                                     \
-    ANCHOR_CALL(vkCreateAccelerationStructureKHR)                                                                        \
-    ANCHOR_CALL(vkDestroyAccelerationStructureKHR)                                                                       \
-    ANCHOR_CALL(vkGetAccelerationStructureBuildSizesKHR)                                                                 \
-    ANCHOR_CALL(vkCmdBuildAccelerationStructuresKHR)                                                                     \
-    ANCHOR_CALL(vkGetAccelerationStructureDeviceAddressKHR)                                                              \
-    ANCHOR_CALL(vkCreateRayTracingPipelinesKHR)                                                                          \
-    ANCHOR_CALL(vkGetRayTracingShaderGroupHandlesKHR)                                                                    \
+#define ANCHOR_CALLS                                        \
+    ANCHOR_CALL(vkCreateAccelerationStructureKHR)           \
+    ANCHOR_CALL(vkDestroyAccelerationStructureKHR)          \
+    ANCHOR_CALL(vkGetAccelerationStructureBuildSizesKHR)    \
+    ANCHOR_CALL(vkCmdBuildAccelerationStructuresKHR)        \
+    ANCHOR_CALL(vkGetAccelerationStructureDeviceAddressKHR) \
+    ANCHOR_CALL(vkCreateRayTracingPipelinesKHR)             \
+    ANCHOR_CALL(vkGetRayTracingShaderGroupHandlesKHR)       \
     ANCHOR_CALL(vkCmdTraceRaysKHR)
     ANCHOR_CALLS
 #undef ANCHOR_CALL
@@ -69,15 +69,18 @@ public:
         GpuBuffer host(gpu_, out.bytes(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::readback);
         bind(in, out);
         int which = anyHit ? 1 : 0;
-        std::vector<double> seconds = timedRuns(gpu_, [&](VkCommandBuffer commands) {
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, pipelines_[which]);
-            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, layout_, 0, 1, &set_, 0, nullptr);
-            VkDeviceAddress table = tables_[which].address();
-            VkStridedDeviceAddressRegionKHR region[4] = {};
-            for (uint32_t i = 0; i < 3; i++) region[i] = {table + i * tableStride_, tableStride_, tableStride_};
-            call_.vkCmdTraceRaysKHR(commands, &region[0], &region[1], &region[2], &region[3],
-                                    static_cast<uint32_t>(rays.size()), 1, 1);
-        }, repetitions, warmUpSeconds);
+        std::vector<double> seconds = timedRuns(
+            gpu_,
+            [&](VkCommandBuffer commands) {
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, pipelines_[which]);
+                vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, layout_, 0, 1, &set_, 0, nullptr);
+                VkDeviceAddress table = tables_[which].address();
+                VkStridedDeviceAddressRegionKHR region[4] = {};
+                for (uint32_t i = 0; i < 3; i++) region[i] = {table + i * tableStride_, tableStride_, tableStride_};
+                call_.vkCmdTraceRaysKHR(commands, &region[0], &region[1], &region[2], &region[3],
+                                        static_cast<uint32_t>(rays.size()), 1, 1);
+            },
+            repetitions, warmUpSeconds);
         VkBufferCopy whole{0, 0, out.bytes()};
         gpu_.runNow([&](VkCommandBuffer commands) { vkCmdCopyBuffer(commands, out.handle(), host.handle(), 1, &whole); });
         answers.resize(rays.size());
@@ -95,8 +98,8 @@ private:
         info.geometryCount = 1;
         info.pGeometries = &geometry;
         VkAccelerationStructureBuildSizesInfoKHR sizes{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
-        call_.vkGetAccelerationStructureBuildSizesKHR(gpu_.handle(), VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info, &count,
-                                                      &sizes);
+        call_.vkGetAccelerationStructureBuildSizesKHR(gpu_.handle(), VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info,
+                                                      &count, &sizes);
         storage = GpuBuffer(gpu_, sizes.accelerationStructureSize,
                             VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR | ADDRESSED, Memory::device);
         constexpr uint64_t ALIGNMENT = 256;  // of scratch memory, at most
@@ -111,9 +114,9 @@ private:
         info.scratchData.deviceAddress = (scratch.address() + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
         VkAccelerationStructureBuildRangeInfoKHR range{count, 0, 0, 0};
         const VkAccelerationStructureBuildRangeInfoKHR* ranges = &range;
-        return timedRuns(gpu_, [&](VkCommandBuffer commands) {
-            call_.vkCmdBuildAccelerationStructuresKHR(commands, 1, &info, &ranges);
-        }, 1, 0.0)[0];
+        return timedRuns(
+            gpu_, [&](VkCommandBuffer commands) { call_.vkCmdBuildAccelerationStructuresKHR(commands, 1, &info, &ranges); }, 1,
+            0.0)[0];
     }
 
     double buildBottom(uint32_t vertexCount, uint32_t triangleCount) {
@@ -160,7 +163,8 @@ private:
         layout.setLayoutCount = 1;
         layout.pSetLayouts = &setLayout_;
         check(vkCreatePipelineLayout(gpu_.handle(), &layout, nullptr, &layout_), "lay out a pipeline");
-        VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1}, {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2}};
+        VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1},
+                                        {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2}};
         VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
         pool.maxSets = 1;
         pool.poolSizeCount = 2;
@@ -191,8 +195,8 @@ private:
         VkRayTracingShaderGroupCreateInfoKHR groups[3];
         for (uint32_t i = 0; i < 3; i++) {
             groups[i] = {VK_STRUCTURE_TYPE_RAY_TRACING_SHADER_GROUP_CREATE_INFO_KHR};
-            groups[i].type = i < 2 ? VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR
-                                   : VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR;
+            groups[i].type =
+                i < 2 ? VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR : VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR;
             groups[i].generalShader = i < 2 ? i : VK_SHADER_UNUSED_KHR;
             groups[i].closestHitShader = i == 2 ? 2 : VK_SHADER_UNUSED_KHR;
             groups[i].anyHitShader = groups[i].intersectionShader = VK_SHADER_UNUSED_KHR;
@@ -204,16 +208,19 @@ private:
         info.maxPipelineRayRecursionDepth = 1;
         info.layout = layout_;
         int which = mode == 0 ? 0 : 1;
-        check(call_.vkCreateRayTracingPipelinesKHR(gpu_.handle(), VK_NULL_HANDLE, VK_NULL_HANDLE, 1, &info, nullptr, &pipelines_[which]),
+        check(call_.vkCreateRayTracingPipelinesKHR(gpu_.handle(), VK_NULL_HANDLE, VK_NULL_HANDLE, 1, &info, nullptr,
+                                                   &pipelines_[which]),
               "compile the driver's ray tracing");
-        VkPhysicalDeviceRayTracingPipelinePropertiesKHR rays{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
+        VkPhysicalDeviceRayTracingPipelinePropertiesKHR rays{
+            VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
         VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &rays};
         vkGetPhysicalDeviceProperties2(gpu_.physical().handle, &properties);
         uint32_t handle = rays.shaderGroupHandleSize;
         tableStride_ = std::max(rays.shaderGroupBaseAlignment, handle);
         std::vector<uint8_t> handles(3 * handle), table(3 * tableStride_);
-        check(call_.vkGetRayTracingShaderGroupHandlesKHR(gpu_.handle(), pipelines_[which], 0, 3, handles.size(), handles.data()),
-              "name its shaders");
+        check(
+            call_.vkGetRayTracingShaderGroupHandlesKHR(gpu_.handle(), pipelines_[which], 0, 3, handles.size(), handles.data()),
+            "name its shaders");
         for (uint32_t i = 0; i < 3; i++) std::memcpy(&table[i * tableStride_], &handles[i * handle], handle);
         tables_[which] = gpu_.filled(table.data(), table.size(), VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR | ADDRESSED);
     }

@@ -14,7 +14,8 @@ constexpr uint32_t TRACE_CLOSEST = 0, TRACE_ANY = 2;  // of kernel/bvh.glsl
 class TracerBench : public RayBench {
 public:
     TracerBench(Gpu& gpu, const GpuScene& scene)
-        : gpu_(gpu), scene_(scene),
+        : gpu_(gpu),
+          scene_(scene),
           pipelines_(gpu, scene.bvhWidth(), 1, scene.bvhWidth() == 4 ? shaders::raysWide4 : shaders::raysWide2) {}
 
     std::vector<double> trace(std::span<const Ray> rays, bool anyHit, uint32_t repetitions, double warmUpSeconds,
@@ -27,14 +28,18 @@ public:
         VkDescriptorSet set = pipelines_.newSet();
         scene_.bind(set);
         bindPair(set, in, out);
-        VkPipeline pipeline = pipelines_.get({EffectSet{EFFECT_INSTANCING}, anyHit ? TRACE_ANY : TRACE_CLOSEST, scene_.stackDepth()});
+        VkPipeline pipeline =
+            pipelines_.get({EffectSet{EFFECT_INSTANCING}, anyHit ? TRACE_ANY : TRACE_CLOSEST, scene_.stackDepth()});
         uint32_t count = static_cast<uint32_t>(rays.size());
-        std::vector<double> seconds = timedRuns(gpu_, [&](VkCommandBuffer commands) {
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
-            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), 0, 1, &set, 0, nullptr);
-            vkCmdPushConstants(commands, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, 4, &count);
-            vkCmdDispatch(commands, (count + 63) / 64, 1, 1);
-        }, repetitions, warmUpSeconds);
+        std::vector<double> seconds = timedRuns(
+            gpu_,
+            [&](VkCommandBuffer commands) {
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+                vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), 0, 1, &set, 0, nullptr);
+                vkCmdPushConstants(commands, pipelines_.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, 4, &count);
+                vkCmdDispatch(commands, (count + 63) / 64, 1, 1);
+            },
+            repetitions, warmUpSeconds);
         VkBufferCopy whole{0, 0, out.bytes()};
         gpu_.runNow([&](VkCommandBuffer commands) { vkCmdCopyBuffer(commands, out.handle(), host.handle(), 1, &whole); });
         answers.resize(rays.size());
@@ -65,8 +70,6 @@ private:
 
 }  // namespace
 
-std::unique_ptr<RayBench> makeTracerBench(Gpu& gpu, const GpuScene& scene) {
-    return std::make_unique<TracerBench>(gpu, scene);
-}
+std::unique_ptr<RayBench> makeTracerBench(Gpu& gpu, const GpuScene& scene) { return std::make_unique<TracerBench>(gpu, scene); }
 
 }  // namespace heliograph

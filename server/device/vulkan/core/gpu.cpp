@@ -112,9 +112,9 @@ uint32_t Gpu::memoryType(uint32_t allowed, Memory memory) const {
 void Gpu::reserve(uint64_t bytes) {
     uint64_t limit = context_->options().memoryLimit;
     if (limit != 0 && allocated_ + bytes > limit)
-        throw VulkanError(VK_ERROR_OUT_OF_DEVICE_MEMORY,
-                          "allocate " + std::to_string(bytes) + " bytes beside " + std::to_string(allocated_) +
-                              " of the " + std::to_string(limit) + " that it was given");
+        throw VulkanError(VK_ERROR_OUT_OF_DEVICE_MEMORY, "allocate " + std::to_string(bytes) + " bytes beside " +
+                                                             std::to_string(allocated_) + " of the " + std::to_string(limit) +
+                                                             " that it was given");
     allocated_ += bytes;
 }
 

@@ -31,7 +31,9 @@ public:
     /// Mapped memory, or null where the host cannot reach it.
     void* data() const { return data_; }
     template <typename T>
-    T* as() const { return static_cast<T*>(data_); }
+    T* as() const {
+        return static_cast<T*>(data_);
+    }
     /// Address on the device; needs the usage flag.
     VkDeviceAddress address() const;
 

@@ -69,8 +69,8 @@ std::string reasonToRefuse(PhysicalDevice& device, const VkPhysicalDevicePropert
         !(subgroup.supportedOperations & VK_SUBGROUP_FEATURE_ARITHMETIC_BIT))
         return "it lacks subgroup arithmetic";
     if (properties.limits.maxPerStageDescriptorStorageBuffers < STORAGE_BUFFERS)
-        return "it binds " + std::to_string(properties.limits.maxPerStageDescriptorStorageBuffers) +
-               " buffers to a shader, " + std::to_string(STORAGE_BUFFERS) + " are needed";
+        return "it binds " + std::to_string(properties.limits.maxPerStageDescriptorStorageBuffers) + " buffers to a shader, " +
+               std::to_string(STORAGE_BUFFERS) + " are needed";
     return {};
 }
 

@@ -28,7 +28,7 @@ std::filesystem::path fileFor(const PhysicalDevice& physical) {
 PipelineCache::PipelineCache(VkDevice device, const PhysicalDevice& physical) : device_(device), store_(fileFor(physical)) {
     std::vector<uint8_t> bytes = store_.read();
     if (bytes.size() > PipelineStore::MOST_BYTES / 2) bytes.clear();  // starts afresh, with what is used now
-    cache_ = made(bytes);  // a driver ignores what is not its own
+    cache_ = made(bytes);                                             // a driver ignores what is not its own
     kept_ = bytes.size();
 }
 

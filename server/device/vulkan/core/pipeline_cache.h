@@ -28,8 +28,8 @@ private:
     VkDevice device_;
     PipelineStore store_;
     VkPipelineCache cache_ = VK_NULL_HANDLE;
-    std::mutex mutex_;   // of keep
-    size_t kept_ = 0;    // bytes
+    std::mutex mutex_;  // of keep
+    size_t kept_ = 0;   // bytes
     bool refused_ = false;
 };
 

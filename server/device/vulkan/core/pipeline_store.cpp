@@ -46,7 +46,8 @@ std::filesystem::path cacheFolder() {
 std::vector<uint8_t> PipelineStore::read() const {
     std::ifstream file(file_, std::ios::binary);
     Head head{};
-    if (!file.read(reinterpret_cast<char*>(&head), sizeof head) || std::memcmp(head.magic, MAGIC, sizeof MAGIC) != 0 || head.bytes > MOST_BYTES)
+    if (!file.read(reinterpret_cast<char*>(&head), sizeof head) || std::memcmp(head.magic, MAGIC, sizeof MAGIC) != 0 ||
+        head.bytes > MOST_BYTES)
         return {};
     std::error_code error;
     if (std::filesystem::file_size(file_, error) != sizeof head + head.bytes || error) return {};

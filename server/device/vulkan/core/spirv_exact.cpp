@@ -37,7 +37,8 @@ std::vector<uint32_t> withoutContraction(std::span<const uint32_t> module) {
         uint32_t words = module[at] >> 16;
         if (words == 0 || at + words > module.size()) throw std::invalid_argument("a SPIR-V module with a broken instruction");
         if (annotationsEnd == 0 && op >= OP_TYPE_FIRST && op < 39) annotationsEnd = at;
-        if (isFloatArithmetic(op)) decorations.insert(decorations.end(), {3u << 16 | OP_DECORATE, module[at + 2], NO_CONTRACTION});
+        if (isFloatArithmetic(op))
+            decorations.insert(decorations.end(), {3u << 16 | OP_DECORATE, module[at + 2], NO_CONTRACTION});
         at += words;
     }
     if (annotationsEnd == 0) throw std::invalid_argument("a SPIR-V module without types");

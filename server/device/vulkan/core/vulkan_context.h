@@ -11,11 +11,11 @@
 namespace heliograph {
 
 struct VulkanOptions {
-    bool validation = false;       // the validation layer checks every call; its messages are logged and counted
-    uint64_t memoryLimit = 0;      // bytes that a device may allocate, 0 = what the driver grants
-    uint64_t batchSamples = 0;     // pixel samples of a batch, 0 = by the measured rate; for benchmarks
-    bool alwaysStandsBy = false;   // a device of type cpu, too, keeps a program for all effects of the scene; for tests
-    bool lastCoreOnly = false;     // a driver that computes on the processor gets one thread on the last core; for benchmarks
+    bool validation = false;      // the validation layer checks every call; its messages are logged and counted
+    uint64_t memoryLimit = 0;     // bytes that a device may allocate, 0 = what the driver grants
+    uint64_t batchSamples = 0;    // pixel samples of a batch, 0 = by the measured rate; for benchmarks
+    bool alwaysStandsBy = false;  // a device of type cpu, too, keeps a program for all effects of the scene; for tests
+    bool lastCoreOnly = false;    // a driver that computes on the processor gets one thread on the last core; for benchmarks
 
     bool operator==(const VulkanOptions&) const = default;
 };
@@ -23,19 +23,19 @@ struct VulkanOptions {
 /// One physical device as found.
 struct PhysicalDevice {
     VkPhysicalDevice handle = VK_NULL_HANDLE;
-    uint32_t index = 0;            // N of "vulkan:N"
+    uint32_t index = 0;  // N of "vulkan:N"
     std::string name;
-    std::string type;              // discrete, integrated, virtual, cpu, other
-    std::string driver;            // name and version
-    std::string api;               // "1.3.230"
-    uint64_t memoryBytes = 0;      // of the largest device-local heap
-    uint64_t bufferRange = 0;      // bytes of the largest storage buffer
-    uint32_t texelElements = 0;    // elements of the largest texel buffer
+    std::string type;            // discrete, integrated, virtual, cpu, other
+    std::string driver;          // name and version
+    std::string api;             // "1.3.230"
+    uint64_t memoryBytes = 0;    // of the largest device-local heap
+    uint64_t bufferRange = 0;    // bytes of the largest storage buffer
+    uint32_t texelElements = 0;  // elements of the largest texel buffer
     uint32_t subgroupSize = 0;
-    uint32_t queueFamily = 0;      // graphics and compute where there is one, else compute
+    uint32_t queueFamily = 0;  // graphics and compute where there is one, else compute
     bool graphics = false;
     bool rayTracingPipeline = false;
-    std::string refused;           // why it cannot trace; empty = it can
+    std::string refused;  // why it cannot trace; empty = it can
     bool isCpu() const { return type == "cpu"; }
 };
 

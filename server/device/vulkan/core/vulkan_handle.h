@@ -16,7 +16,8 @@ public:
     ~VulkanHandle() {
         if (handle_ != VK_NULL_HANDLE) destroy(device_, handle_, nullptr);
     }
-    VulkanHandle(VulkanHandle&& other) noexcept : device_(other.device_), handle_(std::exchange(other.handle_, VK_NULL_HANDLE)) {}
+    VulkanHandle(VulkanHandle&& other) noexcept
+        : device_(other.device_), handle_(std::exchange(other.handle_, VK_NULL_HANDLE)) {}
     VulkanHandle& operator=(VulkanHandle&& other) noexcept {
         std::swap(device_, other.device_);
         std::swap(handle_, other.handle_);

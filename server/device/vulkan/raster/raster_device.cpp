@@ -26,7 +26,9 @@ vec2 sampleJitter(uint32_t index) {
 class RasterDevice : public Device {
 public:
     RasterDevice(const std::string& which, const VulkanOptions& options)
-        : context_(vulkanContext(options)), gpu_(context_, withGraphics(context_->find(which))), pipelines_(gpu_),
+        : context_(vulkanContext(options)),
+          gpu_(context_, withGraphics(context_->find(which))),
+          pipelines_(gpu_),
           frame_(gpu_, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {}
 
     ~RasterDevice() override { vkDeviceWaitIdle(gpu_.handle()); }
@@ -47,8 +49,7 @@ public:
         scene_->bindKernel(pipelines_.set(), frame_);
     }
 
-    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
-                std::stop_token stop) override {
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         std::lock_guard lock(mutex_);
         if (!scene_) throw std::logic_error("render before load");
         FrameConstants frame = frameConstants(scene_->scene(), request);

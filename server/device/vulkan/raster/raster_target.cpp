@@ -3,8 +3,10 @@
 namespace heliograph {
 
 RasterTarget::RasterTarget(Gpu& gpu, VkRenderPass pass, uvec2 size)
-    : gpu_(gpu), size_(size),
-      color_(makeImage(COLOR, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT)),
+    : gpu_(gpu),
+      size_(size),
+      color_(
+          makeImage(COLOR, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT)),
       depth_(makeImage(DEPTH, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT)),
       pixels_(gpu, uint64_t(size.x) * size.y * sizeof(vec4), VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::readback) {
     const VkImageView views[] = {color_.view, depth_.view};
@@ -53,7 +55,8 @@ void RasterTarget::recordCopy(VkCommandBuffer commands) const {
     region.imageExtent = {size_.x, size_.y, 1};
     vkCmdCopyImageToBuffer(commands, color_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, pixels_.handle(), 1, &region);
     VkMemoryBarrier barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT, VK_ACCESS_HOST_READ_BIT};
-    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0,
+                         nullptr);
 }
 
 }  // namespace heliograph

@@ -24,7 +24,11 @@ public:
     const vec4* pixels() const { return pixels_.as<const vec4>(); }
 
 private:
-    struct Image { VkImage image = VK_NULL_HANDLE; VkDeviceMemory memory = VK_NULL_HANDLE; VkImageView view = VK_NULL_HANDLE; };
+    struct Image {
+        VkImage image = VK_NULL_HANDLE;
+        VkDeviceMemory memory = VK_NULL_HANDLE;
+        VkImageView view = VK_NULL_HANDLE;
+    };
     Image makeImage(VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect);
 
     Gpu& gpu_;

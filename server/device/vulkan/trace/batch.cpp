@@ -33,7 +33,9 @@ uint64_t BatchSize::samples() const {
 }
 
 Batch::Batch(Gpu& gpu, TracePipelines& pipelines, const GpuScene& scene)
-    : gpu_(gpu), pipelines_(pipelines), frame_(gpu, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {
+    : gpu_(gpu),
+      pipelines_(pipelines),
+      frame_(gpu, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {
     VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     info.queryType = VK_QUERY_TYPE_TIMESTAMP;
     info.queryCount = 2;
@@ -96,7 +98,8 @@ void Batch::makeRoom() {
     uint64_t counts = tiles_.size() * COUNTS * sizeof(uint32_t);
     bool grown = grow(sums_, pixels_ * sizeof(vec4), STORAGE, Memory::readback);
     grown |= grow(tileList_, entries_.size() * sizeof(TraceTile), STORAGE, Memory::upload);
-    grown |= grow(counts_, counts, STORAGE | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::device);
+    grown |=
+        grow(counts_, counts, STORAGE | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::device);
     grow(countsOut_, counts, VK_BUFFER_USAGE_TRANSFER_DST_BIT, Memory::readback);
     if (grown) bindOutputs();
 }

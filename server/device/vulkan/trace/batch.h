@@ -20,7 +20,7 @@ struct TraceTile {
 /// How many samples a batch should hold. A pure rule on measured times.
 struct BatchSize {
     double targetSeconds = 0.02;
-    uint64_t least = 1 << 16;       // pixel samples
+    uint64_t least = 1 << 16;  // pixel samples
     uint64_t most = 1 << 22;
     double secondsPerSample = 0.0;  // smoothed; 0 = not measured
 

@@ -11,9 +11,9 @@ namespace heliograph {
 
 /// Bindings of shaders/vulkan/buffers.glsl, device.glsl and trace.comp.
 namespace binding {
-constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIANGLES = 4, MESHES = 5, INSTANCES = 6, MATERIALS = 7,
-                   TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13, SOBOL = 14,
-                   BVH_NODES = 15, BVH_TRIANGLES = 16, TILES = 17, SUMS = 18, COUNTS = 19, COUNT = 20;
+constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIANGLES = 4, MESHES = 5, INSTANCES = 6,
+                   MATERIALS = 7, TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13,
+                   SOBOL = 14, BVH_NODES = 15, BVH_TRIANGLES = 16, TILES = 17, SUMS = 18, COUNTS = 19, COUNT = 20;
 }
 
 /// VARIETY_* bits of what a scene's materials, textures and images do.

@@ -9,7 +9,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr size_t WIDE = 4;  // which of a key's numbers
+constexpr size_t WIDE = 4;             // which of a key's numbers
 constexpr uint32_t ALPHA_LAYERS = 16;  // MAX_ALPHA_LAYERS of kernel/whitted.glsl
 
 uint32_t roundUp(uint32_t n, uint32_t step) { return (n + step - 1) / step * step; }
@@ -140,11 +140,17 @@ OwnedPipeline TracePipelines::make(const Key& constants) const {
     const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}, {5, 20, 4}};
     VkSpecializationInfo specialization{6, entries, sizeof constants, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT, module_.get(), "main",
+    info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                  nullptr,
+                  0,
+                  VK_SHADER_STAGE_COMPUTE_BIT,
+                  module_.get(),
+                  "main",
                   &specialization};
     info.layout = layout_.get();
     VkPipeline pipeline;
-    check(vkCreateComputePipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, &pipeline), "compile the tracer");
+    check(vkCreateComputePipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, &pipeline),
+          "compile the tracer");
     return {gpu_.handle(), pipeline};
 }
 

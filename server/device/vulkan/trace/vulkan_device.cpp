@@ -27,20 +27,25 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr size_t IN_FLIGHT = 2;
-constexpr size_t MOST_PIPELINES = 64;  // programs for sets of effects that are kept
-constexpr int ADDERS = 2;           // threads of a stream that add its results to the film
-constexpr uint64_t OVERLAPPED = 4;  // batches of a frame on a GPU
+constexpr size_t MOST_PIPELINES = 64;                           // programs for sets of effects that are kept
+constexpr int ADDERS = 2;                                       // threads of a stream that add its results to the film
+constexpr uint64_t OVERLAPPED = 4;                              // batches of a frame on a GPU
 constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to reach its clock
 
 class VulkanDevice : public Device {
 public:
     VulkanDevice(const std::string& which, const VulkanOptions& options)
-        : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all), context_(vulkanContext(options)), gpu_(context_, context_->find(which)),
-          pipelines_(gpu_, GpuScene::widthFor(gpu_.physical()), IN_FLIGHT * TREE_QUALITIES), alwaysStandsBy_(options.alwaysStandsBy) {
+        : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all),
+          context_(vulkanContext(options)),
+          gpu_(context_, context_->find(which)),
+          pipelines_(gpu_, GpuScene::widthFor(gpu_.physical()), IN_FLIGHT * TREE_QUALITIES),
+          alwaysStandsBy_(options.alwaysStandsBy) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
         name_ = "vulkan:" + std::to_string(gpu_.physical().index);
-        silicon_ = !gpu_.physical().isCpu() ? "gpu:" + std::to_string(gpu_.physical().index) : options.lastCoreOnly ? "last core" : "cpu";
+        silicon_ = !gpu_.physical().isCpu() ? "gpu:" + std::to_string(gpu_.physical().index)
+                   : options.lastCoreOnly   ? "last core"
+                                            : "cpu";
         pinned_.restore();
     }
 
@@ -90,8 +95,7 @@ public:
         if (source_) residentFor(settings, {});
     }
 
-    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
-                std::stop_token stop) override {
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         std::unique_lock lock(mutex_);
         if (!source_) throw std::logic_error("render before load");
         untilIdle(lock);
@@ -115,7 +119,8 @@ public:
                 // On few threads: all cores but those that the scheduler keeps free trace meanwhile.
                 tbb::task_arena adders(ADDERS);
                 adders.execute([&] {
-                    tbb::parallel_for(size_t(0), batch->tileCount(), [&](size_t i) { handOver(*batch, i, seconds, work, sink); });
+                    tbb::parallel_for(size_t(0), batch->tileCount(),
+                                      [&](size_t i) { handOver(*batch, i, seconds, work, sink); });
                 });
                 release(*batch, false);
             } catch (...) {
@@ -184,7 +189,8 @@ private:
     /// What tells the programs of requests apart, beside what belongs to the scene.
     using WarmKey = std::array<uint32_t, 3>;
     static WarmKey warmKey(const FrameRequest& request) {
-        return {request.effects.bits, pathStackSize(request.effects, request.settings), treeQuality(request.settings.bvhQuality)};
+        return {request.effects.bits, pathStackSize(request.effects, request.settings),
+                treeQuality(request.settings.bvhQuality)};
     }
 
     // On a processor Embree is faster than such programs would be, and each takes seconds to compile at its first dispatch.
@@ -297,7 +303,9 @@ private:
     VkPipeline singleFor(const Resident& resident, const FrameRequest& request) {
         return reachOf(request) ? pipelines_.find(singleOf(kindFor(*resident.scene, request))) : VK_NULL_HANDLE;
     }
-    static CellReach* reachOf(const FrameRequest& request) { return pathsGoOn(request.effects) ? request.reach.get() : nullptr; }
+    static CellReach* reachOf(const FrameRequest& request) {
+        return pathsGoOn(request.effects) ? request.reach.get() : nullptr;
+    }
     static TracePipelines::Kind singleOf(TracePipelines::Kind kind) {
         kind.single = true;
         kind.pathStack = 1;
@@ -309,7 +317,8 @@ private:
     }
 
     // Batches in order: while one is traced, the one before is handed over.
-    void renderAll(Resident& resident, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
+    void renderAll(Resident& resident, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
+                   std::stop_token stop) {
         FrameConstants frame = frameConstants(*source_, request);
         VkPipeline pipeline = pipelineFor(resident, request);
         VkPipeline single = singleFor(resident, request);
@@ -403,7 +412,7 @@ private:
     const bool alwaysStandsBy_;
     mutable std::mutex warmMutex_;
     std::optional<Wide> wide_;
-    uint32_t loads_ = 0;  // scenes so far
+    uint32_t loads_ = 0;      // scenes so far
     std::set<WarmKey> warm_;  // has rendered such requests
     std::mutex mutex_;
     std::condition_variable idle_;

@@ -14,7 +14,9 @@ namespace {
 
 struct EmbreeBuilder {
     RTCDevice device = rtcNewDevice("set_affinity=0");
-    EmbreeBuilder() { if (!device) throw std::runtime_error("Embree could not start"); }
+    EmbreeBuilder() {
+        if (!device) throw std::runtime_error("Embree could not start");
+    }
     ~EmbreeBuilder() { rtcReleaseDevice(device); }
     EmbreeBuilder(const EmbreeBuilder&) = delete;
 };

@@ -9,9 +9,9 @@
 namespace heliograph {
 
 struct BvhOptions {
-    uint32_t width = 2;      // 2: float boxes, for GPUs; 4: boxes of 8 bits an axis, for CPU-type devices
-    uint32_t maxLeaf = 3;    // triangles
-    uint32_t quality = 1;    // 0 low (Morton codes), 1 medium and 2 high (binned surface area heuristic)
+    uint32_t width = 2;    // 2: float boxes, for GPUs; 4: boxes of 8 bits an axis, for CPU-type devices
+    uint32_t maxLeaf = 3;  // triangles
+    uint32_t quality = 1;  // 0 low (Morton codes), 1 medium and 2 high (binned surface area heuristic)
 };
 
 /// Throws InputError for a scene of more triangles than references can name, std::runtime_error when Embree refuses.

@@ -44,7 +44,9 @@ void visitAll(const Children& children, uint32_t level, const Visit& visit) {
         for (uint32_t i = 0; i < children.count; i++) visit(i);
         return;
     }
-    auto run = [&](uint32_t i) { if (i < children.count) visit(i); };
+    auto run = [&](uint32_t i) {
+        if (i < children.count) visit(i);
+    };
     tbb::parallel_invoke([&] { run(0); }, [&] { run(1); }, [&] { run(2); }, [&] { run(3); });
 }
 
@@ -149,7 +151,8 @@ private:
             }
             whole.low[axis] = grid.origin;
         }
-        out[0] = {bits(whole.low.x), bits(whole.low.y), bits(whole.low.z), exponents[0] | exponents[1] << 8 | exponents[2] << 16};
+        out[0] = {bits(whole.low.x), bits(whole.low.y), bits(whole.low.z),
+                  exponents[0] | exponents[1] << 8 | exponents[2] << 16};
         out[1] = {low[0], high[0], low[1], high[1]};
         out[2] = {low[2], high[2], 0, 0};
         for (uint32_t i = 0; i < 4; i++) out[3][static_cast<int>(i)] = i < count ? refs[i] : REF_EMPTY;

@@ -28,11 +28,11 @@ struct Words16 {
 };
 
 struct Bvh {
-    uint32_t width = 2;                // children of a node: 2 or 4
-    Words16 nodes;                     // the root is node 0
+    uint32_t width = 2;  // children of a node: 2 or 4
+    Words16 nodes;       // the root is node 0
     Words16 triangles;
-    std::vector<uint32_t> meshRoots;   // root node by mesh, NO_INDEX for those that are not placed
-    uint32_t stackDepth = 0;           // entries that the traversal can need
+    std::vector<uint32_t> meshRoots;  // root node by mesh, NO_INDEX for those that are not placed
+    uint32_t stackDepth = 0;          // entries that the traversal can need
 };
 
 }  // namespace heliograph

@@ -12,7 +12,10 @@ namespace heliograph {
 struct Box {
     vec3 low{1e30f};
     vec3 high{-1e30f};
-    void grow(const Box& other) { low = glm::min(low, other.low); high = glm::max(high, other.high); }
+    void grow(const Box& other) {
+        low = glm::min(low, other.low);
+        high = glm::max(high, other.high);
+    }
     float halfArea() const {
         vec3 d = high - low;
         return d.x * d.y + d.y * d.z + d.z * d.x;

@@ -35,8 +35,13 @@ protected:
     /// Seven invalid rays among nine that hit the room; a bit per ray that met something.
     std::pair<uint32_t, uint64_t> traced(bool closest) {
         const float beyond = 2.0f * scene_->scene().rayReach();
-        const Ray invalid[] = {{vec3(NOT_A_NUMBER, 0, 0)}, {vec3(0, 1e19f, 0)}, {vec3(0, 0, -INFINITE)}, {vec3(beyond, 0, 0), vec3(-1, 0, 0)},
-                               {vec3(0), vec3(0, NOT_A_NUMBER, 1)}, {vec3(0), vec3(1e19f, 0, 0)}, {vec3(0), vec3(0, 0, 1), NOT_A_NUMBER}};
+        const Ray invalid[] = {{vec3(NOT_A_NUMBER, 0, 0)},
+                               {vec3(0, 1e19f, 0)},
+                               {vec3(0, 0, -INFINITE)},
+                               {vec3(beyond, 0, 0), vec3(-1, 0, 0)},
+                               {vec3(0), vec3(0, NOT_A_NUMBER, 1)},
+                               {vec3(0), vec3(1e19f, 0, 0)},
+                               {vec3(0), vec3(0, 0, 1), NOT_A_NUMBER}};
         RTCRayHit16 packet;
         for (uint32_t i = 0; i < PACKET; i++) {
             const Ray ray = isInvalid(i) ? invalid[i / 2] : Ray{};

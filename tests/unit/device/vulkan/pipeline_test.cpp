@@ -58,7 +58,8 @@ TEST(PipelineStore, KeepsAndReplaces) {
     EXPECT_EQ(PipelineStore(file).read(), PROGRAM);
     EXPECT_TRUE(PipelineStore(file).keep(std::vector<uint8_t>{9}));
     EXPECT_EQ(PipelineStore(file).read(), std::vector<uint8_t>{9});
-    EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), fs::directory_iterator()), 1) << "something was left beside it";
+    EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), fs::directory_iterator()), 1)
+        << "something was left beside it";
 }
 
 TEST(PipelineStore, WhatIsDamagedCountsAsAbsent) {
@@ -105,7 +106,8 @@ TEST(PipelineStore, TheFolderFollowsTheEnvironment) {
         EXPECT_EQ(cacheFolder(), "");
     }
     const Variable relative("XDG_CACHE_HOME", "relative");
-    EXPECT_EQ(cacheFolder(), "/home/somebody/.cache/heliograph") << "a relative path there counts as absent (XDG Base Directory)";
+    EXPECT_EQ(cacheFolder(), "/home/somebody/.cache/heliograph")
+        << "a relative path there counts as absent (XDG Base Directory)";
     const Variable nowhere("HOME", std::nullopt);
     EXPECT_EQ(cacheFolder(), "");
 }
@@ -211,7 +213,8 @@ TEST_F(SinglePipeline, ServesTheTilesThatSeeNoMirrorWithTheSamePicture) {
     ASSERT_GT(stats_[RayKind::reflection], 0u) << "the mirror is seen";
     for (bool asStream : {false, true}) {
         expectTheSame("nothing is known of the view", asStream);
-        const auto single = std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
+        const auto single =
+            std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
         EXPECT_GT(single, static_cast<long>(tiles_.size() / 2));
         EXPECT_LT(single, static_cast<long>(tiles_.size()));
         expectTheSame("the view is known", asStream);
@@ -227,7 +230,8 @@ TEST_F(SinglePipeline, WhatItCutsOffIsRenderedAgain) {
             request_.reach->note(lie);
         }
         expectTheSame("all tiles are said to see no mirror", asStream);
-        const auto single = std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
+        const auto single =
+            std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
         EXPECT_LT(single, static_cast<long>(tiles_.size())) << "and now it is known better";
     }
 }

@@ -34,8 +34,13 @@ VulkanOptions checked() {
 /// Every test that uses a device runs under the validation layer; a message from it fails the test.
 class Vulkan : public ::testing::Test {
 protected:
-    void SetUp() override { context_ = vulkanContext(checked()); before_ = context_->validationMessages(); }
-    void TearDown() override { EXPECT_EQ(context_->validationMessages(), before_) << "the validation layer has something to say"; }
+    void SetUp() override {
+        context_ = vulkanContext(checked());
+        before_ = context_->validationMessages();
+    }
+    void TearDown() override {
+        EXPECT_EQ(context_->validationMessages(), before_) << "the validation layer has something to say";
+    }
 
     std::shared_ptr<VulkanContext> context_;
     uint64_t before_ = 0;
@@ -287,7 +292,8 @@ TEST_F(Vulkan, StopsBetweenBatches) {
     std::stop_source stop;
     stop.request_stop();
     size_t delivered = 0;
-    gpu->render(request, tiles, [&](TileResult&&) { delivered++; }, stop.get_token());
+    gpu->render(
+        request, tiles, [&](TileResult&&) { delivered++; }, stop.get_token());
     EXPECT_EQ(delivered, 0u);
 }
 
@@ -403,13 +409,20 @@ void checkTree(const Bvh& bvh, uint32_t expected) {
     ASSERT_EQ(bvh.width, 4u);
     std::vector<uint32_t> seen(bvh.triangles.count / WORDS16_PER_TRIANGLE, 0);
     std::vector<uint32_t> stack{0};
-    auto asFloat = [](uint32_t bits) { float x; std::memcpy(&x, &bits, 4); return x; };
+    auto asFloat = [](uint32_t bits) {
+        float x;
+        std::memcpy(&x, &bits, 4);
+        return x;
+    };
     while (!stack.empty()) {
         const uvec4* node = bvh.nodes.data.get() + size_t(stack.back()) * WORDS16_PER_NODE;
         stack.pop_back();
         for (int child = 0; child < 4; child++) {
             uint32_t ref = node[3][child];
-            if (ref < REF_TRIANGLES) { stack.push_back(ref); continue; }
+            if (ref < REF_TRIANGLES) {
+                stack.push_back(ref);
+                continue;
+            }
             ASSERT_LT(ref, REF_INSTANCE);
             for (uint32_t i = ref & 0x07ffffffu, end = i + (ref >> 27 & 7u); i < end; i++) {
                 seen[i]++;
