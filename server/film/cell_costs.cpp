@@ -50,8 +50,9 @@ std::vector<uint32_t> centreFirst(uvec2 cells) {
     std::vector<uint32_t> order(static_cast<size_t>(cells.x) * cells.y);
     std::iota(order.begin(), order.end(), 0u);
     auto distance = [&](uint32_t cell) {
-        const double x = cell % cells.x - 0.5 * (cells.x - 1.0);
-        const double y = cell / cells.x - 0.5 * (cells.y - 1.0);
+        const uint32_t column = cell % cells.x, row = cell / cells.x;
+        const double x = column - 0.5 * (cells.x - 1.0);
+        const double y = row - 0.5 * (cells.y - 1.0);
         return x * x + y * y;
     };
     std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return distance(a) < distance(b); });

@@ -117,6 +117,7 @@ nlohmann::ordered_json timelineJson(const ScheduleReport& report) {
 template <typename Value>
 double medianOf(const std::vector<ScheduleReport>& reports, Value value) {
     std::vector<double> values;
+    values.reserve(reports.size());
     for (const ScheduleReport& report : reports) values.push_back(value(report));
     return median(values);
 }

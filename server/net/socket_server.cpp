@@ -18,6 +18,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <fstream>
 #include <map>
 #include <set>
@@ -78,11 +79,11 @@ std::string bindProblem(const ListenAddress& listen) {
         if (inet_pton(AF_INET, listen.host.c_str(), &a->sin_addr) != 1) return "no IPv4 address";
     }
     int fd = socket(six ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd < 0) return std::strerror(errno);
+    if (fd < 0) return std::generic_category().message(errno);
     int on = 1;
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     bool bound = bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0;
-    std::string problem = bound ? "" : std::strerror(errno);
+    std::string problem = bound ? "" : std::generic_category().message(errno);
     ::close(fd);
     return problem;
 }

@@ -276,8 +276,9 @@ ScheduleResult TileScheduler::render(const FrameRequest& request, std::span<cons
         for (const auto& run : runs) {
             history.report.append(run->report());
             for (const auto& [device, record] : run->records()) {
-                auto same = std::ranges::find_if(candidates, [&](const Candidate& c) { return c.info.name == device; });
-                memory.rates.note(device, request.effects, record, same->info.batchSeconds);
+                const std::string& name = device;
+                auto same = std::ranges::find_if(candidates, [&](const Candidate& c) { return c.info.name == name; });
+                memory.rates.note(name, request.effects, record, same->info.batchSeconds);
             }
             for (const auto& [device, why] : run->failures()) {
                 result.failures.emplace_back(device, why);
