@@ -91,6 +91,7 @@ Participant participantOf(const Candidate& candidate, const FrameRequest& reques
 /// Who takes part of those that can.
 void decideParts(std::vector<Participant>& participants, double cost) {
     std::vector<BalanceDevice> known;
+    known.reserve(participants.size());
     for (const Participant& p : participants) known.push_back(p.known);
     const std::vector<DevicePart> parts = chooseParts(known, cost);
     for (size_t i = 0; i < parts.size(); i++) participants[i].part = parts[i];
