@@ -2,15 +2,13 @@
 // Text from outside on its way to a terminal or a log.
 
 #include <string>
+#include <string_view>
 
 namespace heliograph {
 
-/// The text on one line: control characters, line feeds and terminal codes among them, become blanks.
-inline std::string oneLine(std::string text) {
-    for (char& c : text) {
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-    }
-    return text;
-}
+/// The text on one line of valid UTF-8 that looks as it is: control characters (line feeds and terminal codes among them) and
+/// bytes that are no UTF-8 become \n, \t or \x1b; what turns the direction of writing, breaks lines or cannot be seen becomes
+/// \u{202e}. Everything else stays.
+std::string oneLine(std::string_view text);
 
 }  // namespace heliograph

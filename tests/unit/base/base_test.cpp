@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <sstream>
 #include <thread>
 #include <vector>
 
@@ -55,13 +57,57 @@ TEST(InputError, MessageIsWhereFoundAllowed) {
     EXPECT_EQ(InputError("a.glb", "is empty").field(), "a.glb");
 }
 
-TEST(Text, OneLineTakesTerminalCodesOut) {
-    EXPECT_EQ(oneLine("a\nb\x1b[31mc\td"), "a b [31mc d");
-    EXPECT_EQ(oneLine("Bögen"), "Bögen");
+TEST(Text, OneLineShowsControlsAndBrokenBytes) {
+    EXPECT_EQ(oneLine("a\nb\x1b[31mc\td\r"), R"(a\nb\x1b[31mc\td\r)");
+    EXPECT_EQ(oneLine("Bögen 🜂 漢"), "Bögen 🜂 漢");
+    EXPECT_EQ(oneLine("\xff\xc3(\x80"), R"(\xff\xc3(\x80)");
+    EXPECT_EQ(oneLine("cut \xe2\x82"), R"(cut \xe2\x82)");
+    EXPECT_EQ(oneLine("\xc0\xaf \xed\xa0\x80 \xf4\x90\x80\x80"), R"(\xc0\xaf \xed\xa0\x80 \xf4\x90\x80\x80)")
+        << "overlong, surrogate, too far";
+    EXPECT_EQ(oneLine("gpj\u202e.exe\u2028\u200b\u0085"), R"(gpj\u{202e}.exe\u{2028}\u{200b}\u{85})");
+    EXPECT_EQ(oneLine(std::string_view("a\0b", 3)), R"(a\x00b)");
+}
+
+/// What is written to stderr meanwhile.
+template <typename Work>
+std::string errorOutput(Work work) {
+    testing::internal::CaptureStderr();
+    work();
+    log().flush();
+    return testing::internal::GetCapturedStderr();
+}
+
+TEST(Log, EveryMessageIsOneLineOfText) {
+    const std::string line = errorOutput([] { log().info("viewer 3: {}", "scene \xff\nheliograph: serving \u202eevil"); });
+    EXPECT_NE(line.find(R"(info viewer 3: scene \xff\nheliograph: serving \u{202e}evil)"), std::string::npos) << line;
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1);
+}
+
+TEST(Log, JsonLinesHoldMessageAndFields) {
+    setLogJson(true);
+    const std::string text = errorOutput([] {
+        logWith(LogLevel::warn, "viewer 3: \xff gone", {{"viewer", 3}, {"reason", "\xff"}});
+        log().info("plain \"{}\"", 1);
+    });
+    setLogJson(false);
+    std::istringstream lines(text);
+    std::string first, second, third;
+    std::getline(lines, first);
+    std::getline(lines, second);
+    EXPECT_FALSE(std::getline(lines, third)) << third;
+    const auto gone = nlohmann::json::parse(first), plain = nlohmann::json::parse(second);
+    EXPECT_EQ(gone["level"], "warning");
+    EXPECT_EQ(gone["message"], R"(viewer 3: \xff gone)");
+    EXPECT_EQ(gone["fields"]["viewer"], 3);
+    EXPECT_EQ(plain["message"], "plain \"1\"");
+    EXPECT_FALSE(plain.contains("fields")) << "those of the line before";
+    const std::string time = plain["time"];
+    EXPECT_TRUE(time.size() == 24 && time[10] == 'T' && time.back() == 'Z') << time;
 }
 
 TEST(Log, RefusesUnknownLevels) {
     EXPECT_THROW(setLogLevel("loud"), InputError);
+    EXPECT_THROW(checkLogLevel(""), InputError);
     EXPECT_NO_THROW(setLogLevel("info"));
 }
 
