@@ -31,7 +31,8 @@ net                  base kernel scene request
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
 stream               base kernel scene scene/load request film device schedule render encode net
-app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net pool lab stream
+operations           base kernel scene request film net stream
+app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net pool lab stream operations
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...
@@ -48,6 +49,8 @@ tiny_gltf.h      scene/load
 tiny_obj_loader  scene/load
 CLI/             app main
 tbb/             scene/build scene/generate scene/load device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
+toml++/          operations
+prometheus/      operations
 gtest/           tests
 gmock/           tests
 '

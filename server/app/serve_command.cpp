@@ -5,13 +5,16 @@
 #include "server/app/service.h"
 #include "server/base/error.h"
 #include "server/base/log.h"
+#include "server/base/text.h"
 #include "server/net/token.h"
+#include "server/operations/configuration.h"
 
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 
 #include <unistd.h>
@@ -23,21 +26,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto SHUTDOWN_LIMIT = 700ms;
-
-struct ServeOptions {
-    std::string scene = "courtyard";
-    std::string listen = "127.0.0.1:8080";
-    std::vector<std::string> devices;
-    std::string environment;
-    std::string tokenFile;
-    bool insecure = false;
-    std::string certificate, key;
-    std::string client;
-    std::vector<std::string> origins;
-    std::vector<std::string> settings;
-    size_t maxViewers = MAX_VIEWERS;
-    std::string logLevel = "info";
-};
 
 /// SIGINT, SIGTERM and our own SIGUSR1 ("the first scene is there or has failed"), blocked in this thread and in all that
 /// it starts, to be waited for here.
@@ -137,8 +125,51 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     return service;
 }
 
-int serve(const ServeOptions& options) {
+/// What stood on the command line.
+struct CommandLine {
+    std::map<std::string, std::vector<std::string>> values;  // by option; those not given are empty
+    std::string config;
+    bool print = false;
+};
+
+/// A flag of the option's name; SCENE has none.
+void addFlag(CLI::App& command, const OptionRow& row, std::vector<std::string>& values) {
+    std::string name = "--" + std::string(row.name);
+    if (row.name == "scene") name = "SCENE";
+    if (row.name == "log-level") name += ",--log";
+    if (row.isFlag()) {
+        command.add_flag(name, values, std::string(row.help));
+        return;
+    }
+    CLI::Option* option = command.add_option(name, values, std::string(row.help))->expected(1);
+    if (row.isList()) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    if (row.name != "scene") option->type_name(std::string(row.type));
+    if (!row.isList() && tomlValue(row, {}) != "\"\"") option->default_str(tomlValue(row, {}));
+}
+
+Configuration configuration(const CommandLine& line, const CLI::App& command) {
+    ConfigurationInputs inputs;
+    if (command.count("--config") > 0) inputs.file = line.config;
+    inputs.environment = processEnvironment();
+    for (const auto& [name, texts] : line.values) {
+        const std::string source = name == "scene" ? "SCENE" : "--" + name;
+        if (!texts.empty()) inputs.flags.push_back({name, GivenValue::Kind::word, texts, source});
+    }
+    return configure(inputs);
+}
+
+int printConfiguration(const CommandLine& line, const CLI::App& command) {
+    std::cout << configurationText(configuration(line, command));
+    return 0;
+}
+
+int serve(const CommandLine& line, const CLI::App& command) {
+    const Configuration configured = configuration(line, command);
+    const ServeOptions& options = configured.options;
+    setLogJson(options.logJson);
     setLogLevel(options.logLevel);
+    if (!configured.file.empty()) log().info("configuration: {}", configured.file);
+    for (const std::string& warning : configured.warnings) log().warn("{}", warning);
     Signals signals;
     ServiceOptions assembled = serviceOptions(options);
     const std::string name = assembled.scenes.front().name;
@@ -160,7 +191,7 @@ int serve(const ServeOptions& options) {
             limit.emplace(2);
             std::rethrow_exception(failure);
         }
-        std::cout << "heliograph: serving " << name << " on " << service.url() << std::endl;
+        std::cout << "heliograph: serving " << oneLine(name) << " on " << service.url() << std::endl;
     }
     log().info("ending");
     limit.emplace(0);
@@ -170,49 +201,24 @@ int serve(const ServeOptions& options) {
 }  // namespace
 
 void addServeCommand(CLI::App& app, std::function<int()>& run) {
-    auto options = std::make_shared<ServeOptions>();
+    auto line = std::make_shared<CommandLine>();
     CLI::App* command = app.add_subcommand("serve", "Serve a scene to browsers");
-    command->add_option("SCENE", options->scene, "courtyard, cathedral, glass, cornell, or a .gltf, .glb or .obj file")
-        ->capture_default_str();
-    command
-        ->add_option("--listen", options->listen,
-                     "Address and port; port 0 takes a free one. Anything but this machine's own address needs\n"
-                     "--token-file or --insecure")
-        ->type_name("HOST:PORT")
-        ->capture_default_str();
-    command
-        ->add_option("--devices", options->devices,
-                     "What viewers may render with: auto for all that is here, or names of the setting device below\n"
-                     "with commas between, the first of which is where they start")
-        ->delimiter(',')
-        ->type_name("auto|LIST");
-    command->add_option("--environment", options->environment,
-                        "Lat-long image (HDR, EXR, JPG, PNG) that surrounds every scene instead of its own surroundings");
-    command->add_option("--set", options->settings, "What viewers start with; may be given several times")
-        ->type_name("KEY=VALUE")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--token-file", options->tokenFile,
-                        "File whose first line is the secret that viewers have to know (open the page with #token=SECRET)");
-    command->add_flag("--insecure", options->insecure, "Serve other machines without a token");
-    command->add_option("--tls-cert", options->certificate, "Certificate for https (PEM)");
-    command->add_option("--tls-key", options->key, "Its key (PEM)");
-    command->add_option("--client", options->client, "Folder of the built browser client");
-    command->add_option("--allow-origin", options->origins, "Another origin whose pages may connect, as https://example.org")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command->add_option("--max-viewers", options->maxViewers, "Viewers at once")
-        ->check(CLI::Range(1, 1000))
-        ->capture_default_str();
-    command->add_option("--log", options->logLevel, "trace, debug, info, warn, error or off")->capture_default_str();
+    for (const OptionRow& row : optionRows()) addFlag(*command, row, line->values[std::string(row.name)]);
+    command->add_option("--config", line->config, "Read options from this file, else from heliograph.toml here if there is one")
+        ->type_name("FILE");
+    command->add_flag("--print-config", line->print, "Print all options with where each comes from, and end");
     command->footer(
         "Examples:\n"
         "  heliograph serve                                 the courtyard on http://localhost:8080\n"
         "  heliograph serve model.glb --set samples=256\n"
         "  heliograph serve --listen 0.0.0.0:8080 --token-file token.txt\n"
+        "Each option can stand in heliograph.toml (max-viewers = 8) or in the environment (HELIOGRAPH_MAX_VIEWERS=8), too;\n"
+        "flags win over the environment, that over the file.\n"
         "Ctrl-C ends the server.\n\n" +
         settingsHelp());
-    command->callback([&run, options] { run = [options] { return serve(*options); }; });
+    command->callback([&run, line, command] {
+        run = [line, command] { return line->print ? printConfiguration(*line, *command) : serve(*line, *command); };
+    });
 }
 
 }  // namespace heliograph

@@ -301,5 +301,18 @@ TEST(Inspection, CountsWhatIsUsed) {
     EXPECT_GE(json["ms"]["effects"].get<double>(), 0.0);
 }
 
+TEST_F(CommandsTest, ServePrintsItsConfiguration) {
+    const Outcome printed = run({"serve", "cornell", "--print-config", "--max-viewers", "7", "--insecure", "--set", "samples=3"});
+    EXPECT_EQ(printed.code, 0);
+    EXPECT_THAT(printed.out, HasSubstr("scene = \"cornell\"  # SCENE\n"));
+    EXPECT_THAT(printed.out, HasSubstr("max-viewers = 7  # --max-viewers\n"));
+    EXPECT_THAT(printed.out, HasSubstr("insecure = true  # --insecure\n"));
+    EXPECT_THAT(printed.out, HasSubstr("samples = \"3\"  # --set\n"));
+    EXPECT_THAT(run({"serve", "--print-config", "--insecure=false"}).out, HasSubstr("insecure = false"));
+    expectRefused({"serve", "--max-viewers", "0"}, {"--max-viewers: \"0\"; allowed: a whole number from 1 to 1000"});
+    expectRefused({"serve", "--config", "/"}, {"/: is a folder"});
+    expectRefused({"serve", "--log", "loud"}, {"--log-level: ", "loud", "trace, debug, info"});
+}
+
 }  // namespace
 }  // namespace heliograph
