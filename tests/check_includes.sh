@@ -22,7 +22,7 @@ render               base kernel scene request film device schedule
 device/embree        base kernel scene request film device
 device/vulkan/core   base kernel
 device/vulkan/tree   base kernel scene device/vulkan/core
-device/vulkan/trace  base kernel scene request film device device/vulkan/core device/vulkan/tree
+device/vulkan/trace  base kernel scene request film device device/vulkan/core device/vulkan/tree shaders
 device/vulkan/raster base kernel scene request film device device/vulkan/core device/vulkan/trace
 device/vulkan/bench  base kernel scene request film device device/vulkan/core device/vulkan/tree device/vulkan/trace
 device/remote        base kernel scene request film device pool

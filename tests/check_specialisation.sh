@@ -14,7 +14,7 @@ failed=0
 compiled() {
     local out=$1
     shift
-    glslangValidator --quiet -V --target-env vulkan1.2 -Ishaders -DBVH_WIDTH=2 "$@" shaders/vulkan/trace.comp -o "$out"
+    glslangValidator --quiet -V --target-env vulkan1.2 -I. -Ishaders -DBVH_WIDTH=2 "$@" shaders/vulkan/trace.comp -o "$out"
 }
 
 # specialised EFFECTS IN OUT: the instructions, names and debug information left out

@@ -34,13 +34,11 @@ FrameSummary summarize(std::span<const double> milliseconds) {
 }
 
 nlohmann::ordered_json toJson(const RayCounts& rays) {
-    return {{"primary", rays[RayKind::primary]},
-            {"shadow", rays[RayKind::shadow]},
-            {"ambient_occlusion", rays[RayKind::ambientOcclusion]},
-            {"reflection", rays[RayKind::reflection]},
-            {"refraction", rays[RayKind::refraction]},
-            {"total", rays.total()},
-            {"untraceable", rays.untraceable}};
+    nlohmann::ordered_json json;
+    for (size_t kind = 0; kind < rays.by.size(); kind++) json[RAY_WORDS[kind]] = rays.by[kind];
+    json["total"] = rays.total();
+    json["untraceable"] = rays.untraceable;
+    return json;
 }
 
 }  // namespace heliograph

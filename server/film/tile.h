@@ -4,6 +4,7 @@
 #include "server/kernel/kernel_types.h"
 
 #include <array>
+#include <iterator>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,9 +22,19 @@ struct Tile {
     uint32_t generation = 0;
 };
 
-enum class RayKind : uint32_t { primary, shadow, ambientOcclusion, reflection, refraction, count };
+#define RAY_KIND(number, NAME, name, word) name = number,
+enum class RayKind : uint32_t {
+#include "shaders/kernel/ray_table.glsl"
+    count
+};
+/// What they are called in JSON, figures and metrics.
+#define RAY_KIND(number, NAME, name, word) word,
+constexpr const char* RAY_WORDS[] = {
+#include "shaders/kernel/ray_table.glsl"
+};
+static_assert(std::size(RAY_WORDS) == static_cast<size_t>(RayKind::count));
 
-/// Rays asked for, by kind. JSON names: primary, shadow, ambient_occlusion, reflection, refraction, total, untraceable.
+/// Rays asked for, by kind.
 struct RayCounts {
     std::array<uint64_t, static_cast<size_t>(RayKind::count)> by{};
     uint64_t untraceable = 0;  // of them: not traced, as they leave float in some instance's space; should be 0

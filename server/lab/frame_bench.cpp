@@ -54,7 +54,9 @@ nlohmann::ordered_json toJson(const FrameBenchResult& result) {
 
 std::string toCsv(const FrameBenchResult& result) {
     std::ostringstream text;
-    text << "frame,ms,primary,shadow,ambient_occlusion,reflection,refraction,total\n";
+    text << "frame,ms";
+    for (const char* word : RAY_WORDS) text << "," << word;
+    text << ",total\n";
     for (size_t i = 0; i < result.milliseconds.size(); i++) {
         text << i << "," << result.milliseconds[i];
         for (uint64_t count : result.rays[i].by) text << "," << count;

@@ -10,8 +10,6 @@ namespace heliograph {
 namespace {
 
 constexpr const char* STAGE_NAMES[Metrics::STAGES] = {"input", "render", "develop", "encode", "send"};
-constexpr const char* RAY_NAMES[] = {"primary", "shadow", "ambient_occlusion", "reflection", "refraction"};
-static_assert(std::size(RAY_NAMES) == static_cast<size_t>(RayKind::count));
 
 void head(const std::string& name, const char* type, const char* help, std::string& text) {
     text += "# HELP " + name + " " + help + "\n# TYPE " + name + " " + type + "\n";
@@ -71,7 +69,7 @@ std::string Metrics::text(size_t viewers, size_t scenes, uint64_t bytes) const {
     single("heliograph_nonfinite_samples_total", "counter", "Samples left out as NaN or infinite.", nonfiniteSamples, out);
     head("heliograph_rays_total", "counter", "Rays traced for frames that were shown, by kind.", out);
     for (size_t i = 0; i < rays.size(); i++) {
-        out += std::string("heliograph_rays_total{kind=\"") + RAY_NAMES[i] + "\"} " + std::to_string(rays[i]) + "\n";
+        out += std::string("heliograph_rays_total{kind=\"") + RAY_WORDS[i] + "\"} " + std::to_string(rays[i]) + "\n";
     }
     head("heliograph_frame_stage_seconds", "histogram", "Time of a frame by stage; render is one pass.", out);
     for (size_t i = 0; i < STAGES; i++) {

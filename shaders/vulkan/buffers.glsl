@@ -4,8 +4,10 @@
 #ifndef HELIOGRAPH_BUFFERS_GLSL
 #define HELIOGRAPH_BUFFERS_GLSL
 
-layout(std140, set = 0, binding = 0) uniform FrameBlock { FrameConstants frameConstants; };
-layout(std140, set = 0, binding = 13) uniform EnvironmentBlock { Environment environmentData; };
+#include "vulkan/bindings.glsl"
+
+layout(std140, set = 0, binding = BINDING_FRAME) uniform FrameBlock { FrameConstants frameConstants; };
+layout(std140, set = 0, binding = BINDING_ENVIRONMENT) uniform EnvironmentBlock { Environment environmentData; };
 #define FRAME frameConstants
 #define ENVIRONMENT environmentData
 
@@ -13,19 +15,19 @@ layout(std140, set = 0, binding = 13) uniform EnvironmentBlock { Environment env
 #include "vulkan/fetch.glsl"
 #else
 
-layout(std430, set = 0, binding = 1) readonly buffer PositionBuffer { vec4 positions[]; };
-layout(std430, set = 0, binding = 2) readonly buffer AttributeBuffer { VertexAttributes vertexAttributes[]; };
-layout(std430, set = 0, binding = 3) readonly buffer TangentBuffer { vec4 tangents[]; };
-layout(std430, set = 0, binding = 4) readonly buffer TriangleBuffer { uvec4 triangles[]; };
-layout(std430, set = 0, binding = 5) readonly buffer MeshBuffer { Mesh meshes[]; };
-layout(std430, set = 0, binding = 6) readonly buffer InstanceBuffer { Instance instances[]; };
-layout(std430, set = 0, binding = 7) readonly buffer MaterialBuffer { Material materials[]; };
-layout(std430, set = 0, binding = 8) readonly buffer TextureBuffer { TextureSlot textureSlots[]; };
-layout(std430, set = 0, binding = 9) readonly buffer ImageBuffer { Image images[]; };
-layout(std430, set = 0, binding = 10) readonly buffer ImageLevelBuffer { ImageLevel imageLevels[]; };
-layout(std430, set = 0, binding = 11) readonly buffer TexelBuffer { uint texels[]; };
-layout(std430, set = 0, binding = 12) readonly buffer LightBuffer { Light lights[]; };
-layout(std430, set = 0, binding = 14) readonly buffer SobolBuffer { uvec2 sobolPoints[]; };
+layout(std430, set = 0, binding = BINDING_POSITIONS) readonly buffer PositionBuffer { vec4 positions[]; };
+layout(std430, set = 0, binding = BINDING_ATTRIBUTES) readonly buffer AttributeBuffer { VertexAttributes vertexAttributes[]; };
+layout(std430, set = 0, binding = BINDING_TANGENTS) readonly buffer TangentBuffer { vec4 tangents[]; };
+layout(std430, set = 0, binding = BINDING_TRIANGLES) readonly buffer TriangleBuffer { uvec4 triangles[]; };
+layout(std430, set = 0, binding = BINDING_MESHES) readonly buffer MeshBuffer { Mesh meshes[]; };
+layout(std430, set = 0, binding = BINDING_INSTANCES) readonly buffer InstanceBuffer { Instance instances[]; };
+layout(std430, set = 0, binding = BINDING_MATERIALS) readonly buffer MaterialBuffer { Material materials[]; };
+layout(std430, set = 0, binding = BINDING_TEXTURES) readonly buffer TextureBuffer { TextureSlot textureSlots[]; };
+layout(std430, set = 0, binding = BINDING_IMAGES) readonly buffer ImageBuffer { Image images[]; };
+layout(std430, set = 0, binding = BINDING_IMAGE_LEVELS) readonly buffer ImageLevelBuffer { ImageLevel imageLevels[]; };
+layout(std430, set = 0, binding = BINDING_TEXELS) readonly buffer TexelBuffer { uint texels[]; };
+layout(std430, set = 0, binding = BINDING_LIGHTS) readonly buffer LightBuffer { Light lights[]; };
+layout(std430, set = 0, binding = BINDING_SOBOL) readonly buffer SobolBuffer { uvec2 sobolPoints[]; };
 
 #define POSITION(i) positions[i]
 #define ATTRIBUTE(i, field) vertexAttributes[i].field

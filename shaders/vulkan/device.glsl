@@ -31,13 +31,13 @@ vec3 exactCross(vec3 a, vec3 b) {
 #define cross exactCross
 
 #if BVH_WIDTH == 2
-layout(std430, set = 0, binding = 15) readonly buffer NodeBuffer { uvec4 bvhNodes[]; };
-layout(std430, set = 0, binding = 16) readonly buffer BvhTriangleBuffer { uvec4 bvhTriangles[]; };
+layout(std430, set = 0, binding = BINDING_BVH_NODES) readonly buffer NodeBuffer { uvec4 bvhNodes[]; };
+layout(std430, set = 0, binding = BINDING_BVH_TRIANGLES) readonly buffer BvhTriangleBuffer { uvec4 bvhTriangles[]; };
 #define BVH_NODE(i) bvhNodes[i]
 #define BVH_TRIANGLE(i) bvhTriangles[i]
 #else
-layout(set = 0, binding = 15) uniform usamplerBuffer bvhNodes;
-layout(set = 0, binding = 16) uniform usamplerBuffer bvhTriangles;
+layout(set = 0, binding = BINDING_BVH_NODES) uniform usamplerBuffer bvhNodes;
+layout(set = 0, binding = BINDING_BVH_TRIANGLES) uniform usamplerBuffer bvhTriangles;
 #define BVH_NODE(i) texelFetch(bvhNodes, int(i))
 #define BVH_TRIANGLE(i) texelFetch(bvhTriangles, int(i))
 #endif

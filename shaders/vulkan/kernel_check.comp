@@ -9,7 +9,7 @@ layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
 #include "vulkan/buffers.glsl"
 #include "kernel/kernel_files.inc"
 
-layout(std430, set = 0, binding = 20) writeonly buffer Output { vec4 results[]; };
+layout(std430, set = 0, binding = BINDING_COUNT) writeonly buffer Output { vec4 results[]; };
 
 void main() {
     uvec2 pixel = gl_GlobalInvocationID.xy;

@@ -11,8 +11,8 @@ const uint VARIETIES = 0xffffffffu;
 
 #include "vulkan/device.glsl"
 
-layout(std430, set = 0, binding = 17) readonly buffer RayBuffer { vec4 rays[]; };  // origin, tMax; direction, unused
-layout(std430, set = 0, binding = 18) writeonly buffer HitBuffer { uvec4 hits[]; };  // instance, primitive, FOUND_*, 0
+layout(std430, set = 0, binding = BINDING_RAYS) readonly buffer RayBuffer { vec4 rays[]; };  // origin, tMax; direction, unused
+layout(std430, set = 0, binding = BINDING_HITS) writeonly buffer HitBuffer { uvec4 hits[]; };  // instance, primitive, FOUND_*, 0
 layout(push_constant) uniform Count { uint rayCount; };
 
 void main() {

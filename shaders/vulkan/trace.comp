@@ -15,30 +15,16 @@ layout(constant_id = 5) const bool SINGLE = false;         // paths end at their
 
 #include "vulkan/device.glsl"
 
-struct TraceTile {
-    uvec2 origin;      // pixels
-    uvec2 size;
-    uint firstSample;
-    uint sampleCount;
-    uint firstGroup;   // workgroups of 8 x 8 pixels, row by row
-    uint firstPixel;   // in `sums`
-};
-
-layout(std430, set = 0, binding = 17) readonly buffer TileBuffer { TraceTile tiles[]; };
-layout(std430, set = 0, binding = 18) writeonly buffer SumBuffer { vec4 sums[]; };
-layout(std430, set = 0, binding = 19) buffer CountBuffer { uint counts[]; };  // COUNTS a tile: by RayKind, not finite, cut off, untraceable
+layout(std430, set = 0, binding = BINDING_TILES) readonly buffer TileBuffer { TraceTile tiles[]; };
+layout(std430, set = 0, binding = BINDING_SUMS) writeonly buffer SumBuffer { vec4 sums[]; };
+layout(std430, set = 0, binding = BINDING_COUNTS) buffer CountBuffer { uint counts[]; };
 layout(push_constant) uniform Batch {
     uint tileCount;
     uint groupsBefore;  // of other dispatches for the same tiles
 };
 
-const uint COUNTS = 8u;
-
-uint primaryRays = 0u;
-uint shadowRays = 0u;
-uint occlusionRays = 0u;
-uint reflectionRays = 0u;
-uint refractionRays = 0u;
+#define RAY_KIND(number, NAME, name, word) uint name##Rays = 0u;
+#include "kernel/ray_table.glsl"
 uint cutOff = 0u;  // paths that SINGLE ended
 
 // Share of the light that gets through the transparent surfaces on a shadow ray's way, nearest first.
@@ -96,7 +82,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
             r.ray.direction = occlusionDirection(SOBOL(occlusionNumber(sampleIndex, i - lights)), shift, a.shading.normal,
                                                  a.surface.geometricNormal, tangent, bitangent);
             r.ray.tMax = FRAME.aoDistance;
-            occlusionRays++;
+            ambientOcclusionRays++;
         }
         Hit unused;
         uint found = traverse(r.ray.origin, r.ray.direction, r.ray.tMax, TRACE_ANY, unused);
@@ -163,7 +149,7 @@ uint tileOf(uint group) {
 
 void addCount(uint tileIndex, uint kind, uint value) {
     uint sum = subgroupAdd(value);
-    if (sum != 0u && subgroupElect()) atomicAdd(counts[tileIndex * COUNTS + kind], sum);
+    if (sum != 0u && subgroupElect()) atomicAdd(counts[tileIndex * COUNTS_PER_TILE + kind], sum);
 }
 
 void main() {
@@ -191,12 +177,9 @@ void main() {
         }
         sums[tile.firstPixel + at.y * tile.size.x + at.x] = sum;
     }
-    addCount(tileIndex, 0u, primaryRays);
-    addCount(tileIndex, 1u, shadowRays);
-    addCount(tileIndex, 2u, occlusionRays);
-    addCount(tileIndex, 3u, reflectionRays);
-    addCount(tileIndex, 4u, refractionRays);
-    addCount(tileIndex, 5u, nonfinite);
-    if (SINGLE) addCount(tileIndex, 6u, cutOff);
-    addCount(tileIndex, 7u, untraceableRays);
+#define RAY_KIND(number, NAME, name, word) addCount(tileIndex, COUNT_##NAME, name##Rays);
+#include "kernel/ray_table.glsl"
+    addCount(tileIndex, COUNT_NONFINITE, nonfinite);
+    if (SINGLE) addCount(tileIndex, COUNT_CUT_OFF, cutOff);
+    addCount(tileIndex, COUNT_UNTRACEABLE, untraceableRays);
 }

@@ -27,6 +27,7 @@ const STAGES: readonly { readonly name: string; readonly label: string; readonly
   { name: 'decode', label: 'Decoding', help: 'JPEG to pixels in this browser' },
 ];
 
+/** Of the kinds that the panel lists, in the order in which the server sends them. */
 const RAY_LABELS: Readonly<Record<string, string>> = {
   primary: 'Camera',
   shadow: 'Shadow',
@@ -181,8 +182,9 @@ export class StatsPanel {
 
   private refreshRays(rays: Numbers): void {
     const total = rays['total'] ?? Object.values(rays).reduce((sum, value) => sum + value, 0);
-    for (const [name, label] of Object.entries(RAY_LABELS)) {
-      const value = rays[name] ?? 0;
+    for (const [name, value] of Object.entries(rays)) {
+      const label = RAY_LABELS[name];
+      if (label === undefined) continue;
       const share = name === 'total' ? null : total > 0 ? value / total : 0;
       this.rayList_.row(name, { label, share, text: count(value) });
     }

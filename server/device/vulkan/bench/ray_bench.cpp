@@ -55,7 +55,7 @@ private:
         for (uint32_t i = 0; i < 2; i++) {
             writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
             writes[i].dstSet = set;
-            writes[i].dstBinding = binding::TILES + i;
+            writes[i].dstBinding = BINDING_RAYS + i;
             writes[i].descriptorCount = 1;
             writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             writes[i].pBufferInfo = &infos[i];

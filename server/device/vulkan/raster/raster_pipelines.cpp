@@ -8,7 +8,7 @@ namespace heliograph {
 namespace {
 
 constexpr VkShaderStageFlags STAGES = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-constexpr uint32_t BINDINGS = binding::SOBOL + 1;  // the kernel's own
+constexpr uint32_t BINDINGS = BINDING_SOBOL + 1;  // the kernel's own
 
 }  // namespace
 

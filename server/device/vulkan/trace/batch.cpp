@@ -8,9 +8,6 @@ namespace heliograph {
 
 namespace {
 
-constexpr uint32_t COUNTS = 8;   // a tile, as in trace.comp
-constexpr uint32_t CUT_OFF = 6;  // which of them
-constexpr uint32_t UNTRACEABLE = 7;
 constexpr VkBufferUsageFlags STORAGE = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -95,7 +92,7 @@ void Batch::makeRoom() {
         buffer = GpuBuffer(gpu_, std::max(bytes, wanted), usage, memory);
         return true;
     };
-    uint64_t counts = tiles_.size() * COUNTS * sizeof(uint32_t);
+    uint64_t counts = tiles_.size() * COUNTS_PER_TILE * sizeof(uint32_t);
     bool grown = grow(sums_, pixels_ * sizeof(vec4), STORAGE, Memory::readback);
     grown |= grow(tileList_, entries_.size() * sizeof(TraceTile), STORAGE, Memory::upload);
     grown |=
@@ -106,7 +103,7 @@ void Batch::makeRoom() {
 
 void Batch::bindOutputs() {
     const std::pair<uint32_t, const GpuBuffer*> outputs[] = {
-        {binding::FRAME, &frame_}, {binding::TILES, &tileList_}, {binding::SUMS, &sums_}, {binding::COUNTS, &counts_}};
+        {BINDING_FRAME, &frame_}, {BINDING_TILES, &tileList_}, {BINDING_SUMS, &sums_}, {BINDING_COUNTS, &counts_}};
     VkDescriptorBufferInfo infos[4];
     VkWriteDescriptorSet writes[4];
     for (int i = 0; i < 4; i++) {
@@ -143,7 +140,7 @@ void Batch::record(VkPipeline pipeline, VkPipeline single) {
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(commands_, &begin), "record");
-    uint64_t counts = tiles_.size() * COUNTS * sizeof(uint32_t);
+    uint64_t counts = tiles_.size() * COUNTS_PER_TILE * sizeof(uint32_t);
     vkCmdResetQueryPool(commands_, queries_.get(), 0, 2);
     vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_.get(), 0);
     vkCmdFillBuffer(commands_, counts_.handle(), 0, counts, 0);
@@ -185,16 +182,18 @@ TileResult Batch::result(size_t index, double batchSeconds) const {
     TileResult result;
     result.tile = tiles_[index];
     result.mapped = {sums_.as<const vec4>() + entries_[index].firstPixel, pixelsOf(tiles_[index])};
-    const uint32_t* counts = countsOut_.as<const uint32_t>() + index * COUNTS;
+    const uint32_t* counts = countsOut_.as<const uint32_t>() + index * COUNTS_PER_TILE;
     for (size_t kind = 0; kind < result.rays.by.size(); kind++) result.rays.by[kind] = counts[kind];
-    result.rays.untraceable = counts[UNTRACEABLE];
-    result.nonfiniteSamples = counts[result.rays.by.size()];
+    result.rays.untraceable = counts[COUNT_UNTRACEABLE];
+    result.nonfiniteSamples = counts[COUNT_NONFINITE];
     uint64_t samples = pixelsOf(tiles_[index]) * tiles_[index].sampleCount;
     result.seconds = samples_ > 0 ? batchSeconds * static_cast<double>(samples) / static_cast<double>(samples_) : 0.0;
     return result;
 }
 
-bool Batch::wasCutOff(size_t index) const { return countsOut_.as<const uint32_t>()[index * COUNTS + CUT_OFF] > 0; }
+bool Batch::wasCutOff(size_t index) const {
+    return countsOut_.as<const uint32_t>()[index * COUNTS_PER_TILE + COUNT_CUT_OFF] > 0;
+}
 
 void Batch::forget() {
     number_ = 0;

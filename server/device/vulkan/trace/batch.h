@@ -7,16 +7,6 @@
 
 namespace heliograph {
 
-/// What trace.comp knows of a tile.
-struct TraceTile {
-    uvec2 origin;
-    uvec2 size;
-    uint32_t firstSample;
-    uint32_t sampleCount;
-    uint32_t firstGroup;
-    uint32_t firstPixel;
-};
-
 /// How many samples a batch should hold. A pure rule on measured times.
 struct BatchSize {
     double targetSeconds = 0.02;

@@ -43,8 +43,8 @@ uint32_t varietiesOf(const Scene& scene) {
 }
 
 VkDescriptorType GpuScene::descriptorType(uint32_t index, uint32_t width) {
-    if (index == binding::FRAME || index == binding::ENVIRONMENT) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-    if (width == 4 && index <= binding::BVH_TRIANGLES) return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    if (index == BINDING_FRAME || index == BINDING_ENVIRONMENT) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    if (width == 4 && index <= BINDING_BVH_TRIANGLES) return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
     return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
@@ -89,7 +89,7 @@ GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress&
     : gpu_(gpu), scene_(std::move(scene)) {
     double begin = now();
     report(progress, "uploading the scene", 0.0);
-    put(binding::INSTANCES, "instances", scene_->instances.data(), scene_->instances.size());
+    put(BINDING_INSTANCES, "instances", scene_->instances.data(), scene_->instances.size());
     putArrays();
     uploadSeconds_ = now() - begin;
 }
@@ -108,28 +108,28 @@ void GpuScene::putTrees(uint32_t quality, const Progress& progress) {
     report(progress, "uploading the scene", 0.8);
     std::vector<Instance> instances = scene_->instances;
     for (Instance& instance : instances) instance.root = bvh.meshRoots[instance.mesh];
-    put(binding::INSTANCES, "instances", instances.data(), instances.size());
-    put(binding::BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
-    put(binding::BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
+    put(BINDING_INSTANCES, "instances", instances.data(), instances.size());
+    put(BINDING_BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
+    put(BINDING_BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
     uploadSeconds_ = now() - built;
 }
 
 // What is the same for all trees.
 void GpuScene::putArrays() {
     const Scene& s = *scene_;
-    put(binding::POSITIONS, "vertices", s.positions.data(), s.positions.size());
-    put(binding::ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
-    put(binding::TANGENTS, "tangents", s.tangents.data(), s.tangents.size());
-    put(binding::TRIANGLES, "triangles", s.triangles.data(), s.triangles.size());
-    put(binding::MESHES, "meshes", s.meshes.data(), s.meshes.size());
-    put(binding::MATERIALS, "materials", s.materials.data(), s.materials.size());
-    put(binding::TEXTURES, "textures", s.textures.data(), s.textures.size());
-    put(binding::IMAGES, "images", s.images.data(), s.images.size());
-    put(binding::IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
-    put(binding::TEXELS, "images' texels", s.texels.data(), s.texels.size());
-    put(binding::LIGHTS, "lights", s.lights.data(), s.lights.size());
-    put(binding::ENVIRONMENT, "environment", &s.environment, 1);
-    put(binding::SOBOL, "sample points", sobolTable().data(), sobolTable().size());
+    put(BINDING_POSITIONS, "vertices", s.positions.data(), s.positions.size());
+    put(BINDING_ATTRIBUTES, "vertex attributes", s.attributes.data(), s.attributes.size());
+    put(BINDING_TANGENTS, "tangents", s.tangents.data(), s.tangents.size());
+    put(BINDING_TRIANGLES, "triangles", s.triangles.data(), s.triangles.size());
+    put(BINDING_MESHES, "meshes", s.meshes.data(), s.meshes.size());
+    put(BINDING_MATERIALS, "materials", s.materials.data(), s.materials.size());
+    put(BINDING_TEXTURES, "textures", s.textures.data(), s.textures.size());
+    put(BINDING_IMAGES, "images", s.images.data(), s.images.size());
+    put(BINDING_IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
+    put(BINDING_TEXELS, "images' texels", s.texels.data(), s.texels.size());
+    put(BINDING_LIGHTS, "lights", s.lights.data(), s.lights.size());
+    put(BINDING_ENVIRONMENT, "environment", &s.environment, 1);
+    put(BINDING_SOBOL, "sample points", sobolTable().data(), sobolTable().size());
 }
 
 OwnedBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {
@@ -143,11 +143,11 @@ OwnedBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {
 }
 
 void GpuScene::bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const {
-    bindUpTo(set, binding::SOBOL);
+    bindUpTo(set, BINDING_SOBOL);
     VkDescriptorBufferInfo info{frame.handle(), 0, VK_WHOLE_SIZE};
     VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     write.dstSet = set;
-    write.dstBinding = binding::FRAME;
+    write.dstBinding = BINDING_FRAME;
     write.descriptorCount = 1;
     write.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     write.pBufferInfo = &info;
@@ -155,10 +155,10 @@ void GpuScene::bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const {
 }
 
 void GpuScene::bindUpTo(VkDescriptorSet set, uint32_t last) const {
-    VkDescriptorBufferInfo infos[binding::COUNT];
-    VkBufferView views[binding::COUNT];
+    VkDescriptorBufferInfo infos[BINDING_COUNT];
+    VkBufferView views[BINDING_COUNT];
     std::vector<VkWriteDescriptorSet> writes;
-    for (uint32_t i = binding::POSITIONS; i <= last; i++) {
+    for (uint32_t i = BINDING_POSITIONS; i <= last; i++) {
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = set;
         write.dstBinding = i;

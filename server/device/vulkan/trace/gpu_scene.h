@@ -1,6 +1,7 @@
 #pragma once
 // A scene in a GPU's memory: the kernel's arrays and tables and the trees, in the order of their bindings.
 
+#include "server/device/vulkan/trace/bindings.h"
 #include "server/device/vulkan/tree/bvh_layout.h"
 #include "server/device/vulkan/core/gpu.h"
 #include "server/device/vulkan/core/vulkan_handle.h"
@@ -8,13 +9,6 @@
 #include "server/scene/scene.h"
 
 namespace heliograph {
-
-/// Bindings of shaders/vulkan/buffers.glsl, device.glsl and trace.comp.
-namespace binding {
-constexpr uint32_t FRAME = 0, POSITIONS = 1, ATTRIBUTES = 2, TANGENTS = 3, TRIANGLES = 4, MESHES = 5, INSTANCES = 6,
-                   MATERIALS = 7, TEXTURES = 8, IMAGES = 9, IMAGE_LEVELS = 10, TEXELS = 11, LIGHTS = 12, ENVIRONMENT = 13,
-                   SOBOL = 14, BVH_NODES = 15, BVH_TRIANGLES = 16, TILES = 17, SUMS = 18, COUNTS = 19, COUNT = 20;
-}
 
 /// VARIETY_* bits of what a scene's materials, textures and images do.
 uint32_t varietiesOf(const Scene& scene);
@@ -44,7 +38,7 @@ public:
     double buildSeconds() const { return buildSeconds_; }
     double uploadSeconds() const { return uploadSeconds_; }
     /// Writes the scene's bindings of a set.
-    void bind(VkDescriptorSet set) const { bindUpTo(set, binding::BVH_TRIANGLES); }
+    void bind(VkDescriptorSet set) const { bindUpTo(set, BINDING_BVH_TRIANGLES); }
     /// Writes the kernel's bindings alone, `frame` with them.
     void bindKernel(VkDescriptorSet set, const GpuBuffer& frame) const;
 
@@ -71,7 +65,7 @@ private:
         GpuBuffer buffer;
         OwnedBufferView view;  // of arrays that are read as texels
     };
-    std::shared_ptr<const Array> arrays_[binding::COUNT];
+    std::shared_ptr<const Array> arrays_[BINDING_COUNT];
 };
 
 }  // namespace heliograph

@@ -2,6 +2,7 @@
 
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/spirv_exact.h"
+#include "server/kernel/kernel.h"
 
 #include <algorithm>
 
@@ -9,8 +10,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr size_t WIDE = 4;             // which of a key's numbers
-constexpr uint32_t ALPHA_LAYERS = 16;  // MAX_ALPHA_LAYERS of kernel/whitted.glsl
+constexpr size_t WIDE = 4;  // which of a key's numbers
 
 uint32_t roundUp(uint32_t n, uint32_t step) { return (n + step - 1) / step * step; }
 
@@ -21,7 +21,7 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
     // to a pixel's deepest one, a refraction leaves up to two others waiting, a pass one, a reflection none.
     uint32_t reflects = effects.has(EFFECT_REFLECTIONS) && settings.maxReflections > 0 ? 1 : 0;
     uint32_t refractions = effects.has(EFFECT_REFRACTIONS) ? settings.maxRefractions : 0;
-    uint32_t layers = effects.has(EFFECT_ALPHA_BLEND) ? ALPHA_LAYERS : 0;
+    uint32_t layers = effects.has(EFFECT_ALPHA_BLEND) ? scalar_kernel::Kernel<0>::MAX_ALPHA_LAYERS : 0;
     uint32_t passes = layers > 0 ? 1 : 0;
     uint32_t waiting = refractions * (reflects + passes) + layers * reflects;
     uint32_t last = reflects + passes + (refractions > 0 ? 1 : 0);
@@ -38,15 +38,15 @@ bool pathsGoOn(EffectSet effects) {
 TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::span<const uint32_t> other)
     : gpu_(gpu), sets_(sets) {
     const VkDevice device = gpu.handle();
-    VkDescriptorSetLayoutBinding bindings[binding::COUNT];
+    VkDescriptorSetLayoutBinding bindings[BINDING_COUNT];
     std::vector<VkDescriptorPoolSize> sizes;
-    for (uint32_t i = 0; i < binding::COUNT; i++) {
+    for (uint32_t i = 0; i < BINDING_COUNT; i++) {
         VkDescriptorType type = GpuScene::descriptorType(i, bvhWidth);
         bindings[i] = {i, type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
         sizes.push_back({type, sets});
     }
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    set.bindingCount = binding::COUNT;
+    set.bindingCount = BINDING_COUNT;
     set.pBindings = bindings;
     VkDescriptorSetLayout setLayout;
     check(vkCreateDescriptorSetLayout(device, &set, nullptr, &setLayout), "lay out descriptors");
