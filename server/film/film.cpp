@@ -13,7 +13,7 @@ uint32_t blocksOf(uint32_t pixels) { return (pixels + Film::BLOCK - 1) / Film::B
 glm::dvec4 asSum(vec4 v) { return glm::dvec4(v.x, v.y, v.z, v.w); }
 
 /// Luminance of Rec. 709 primaries; the same weights as the kernel's (ITU-R BT.709).
-double luminance(const glm::dvec4& rgb) { return 0.2126 * rgb.x + 0.7152 * rgb.y + 0.0722 * rgb.z; }
+double luminance(const glm::dvec4& rgb) { return LUMINANCE_RED * rgb.x + LUMINANCE_GREEN * rgb.y + LUMINANCE_BLUE * rgb.z; }
 
 }  // namespace
 

@@ -12,7 +12,7 @@ float saturate(float x) { return min(max(x, 0.0f), 1.0f); }
 
 float maxComponent(vec3 v) { return max(max(v.x, v.y), v.z); }
 
-float luminance(vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+float luminance(vec3 c) { return LUMINANCE_RED * c.x + LUMINANCE_GREEN * c.y + LUMINANCE_BLUE * c.z; }
 
 // Unit vector; (0, 0, 0) stays what it is.
 vec3 normalize3(vec3 v) {

@@ -18,6 +18,11 @@ UINT_CONSTANT(MATERIAL_VOLUME, 16u)       // a solid body: refracts and absorbs;
 UINT_CONSTANT(MATERIAL_BUMP, 32u)         // normalTexture holds heights, not normals
 UINT_CONSTANT(MATERIAL_OPACITY_RED, 64u)  // opacityTexture's red is alpha (MTL map_d)
 
+// Luminance of linear sRGB, ITU-R BT.709.
+KERNEL_CONSTANT float LUMINANCE_RED = 0.2126f;
+KERNEL_CONSTANT float LUMINANCE_GREEN = 0.7152f;
+KERNEL_CONSTANT float LUMINANCE_BLUE = 0.0722f;
+
 // What materials and textures of a scene may do and others do not: a device that compiles per scene leaves out what its
 // scene does not hold (MET, compat.glsl). Some run both sides of every branch, so that there code costs time unmet.
 UINT_CONSTANT(VARIETY_BASE_TEXTURE, 1u)

@@ -20,7 +20,7 @@ vec4 fakeRadiance(uint32_t x, uint32_t y, uint32_t sample) {
     uint32_t hash = (x * 73856093u) ^ (y * 19349663u) ^ (sample * 83492791u);
     float grey = static_cast<float>((hash >> 8) & 0xffffu) / 65536.0f;
     vec3 color(grey, 0.5f * grey, 1.0f - grey);
-    float luminance = 0.2126f * color.x + 0.7152f * color.y + 0.0722f * color.z;
+    float luminance = LUMINANCE_RED * color.x + LUMINANCE_GREEN * color.y + LUMINANCE_BLUE * color.z;
     return vec4(color, luminance * luminance);
 }
 

@@ -101,7 +101,7 @@ private:
                     result.nonfiniteSamples++;
                     continue;
                 }
-                float luminance = glm::dot(radiance, vec3(0.2126f, 0.7152f, 0.0722f));
+                float luminance = glm::dot(radiance, vec3(LUMINANCE_RED, LUMINANCE_GREEN, LUMINANCE_BLUE));
                 result.radianceSum[size_t(y) * result.tile.size.x + x] += vec4(radiance, luminance * luminance);
             }
     }
