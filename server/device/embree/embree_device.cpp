@@ -48,7 +48,7 @@ private:
 struct Worker {
     std::vector<std::unique_ptr<TileProgram>> programs{tileProgramTable().count};
     TileProgram& program(uint32_t index) {
-        if (!programs[index]) programs[index].reset(tileProgramTable().rows[index].make());
+        if (!programs[index]) programs[index] = tileProgramTable().rows[index].make();
         return *programs[index];
     }
 };

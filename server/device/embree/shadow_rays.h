@@ -11,22 +11,19 @@ public:
     using KernelType = Kernel<EFFECTS>;
 
     ShadowRays(TileJob& job, Arena& arena, KernelType& kernel) : job_(job), arena_(arena), kernel_(kernel) {
-        while (arena_.shadowQueues < kernel_.frame.lightCount) {
-            arena_.shadows.reserve(arena_.shadowQueues + 16, arena_.shadowQueues);
-            arena_.shadows.data[arena_.shadowQueues++] = new ShadowQueue();
-        }
+        while (arena_.shadows.size() < kernel_.frame.lightCount) arena_.shadows.push_back(std::make_unique<ShadowQueue>());
     }
 
     /// Empties the queues and makes room for all rays of `points` points.
     void begin(uint32_t points) {
         for (uint32_t l = 0; l < kernel_.frame.lightCount; l++)
-            arena_.shadows.data[l]->reserve(points * (kernel_.lightSamples(l) + kernel_.fogRays()));
+            arena_.shadows[l]->reserve(points * (kernel_.lightSamples(l) + kernel_.fogRays()));
     }
 
     /// Queues the rays of a group that would add something.
     HELIOGRAPH_INLINE void push(uint32_t light, const Group& g, const typename KernelType::ShadowRay& shadow) {
         uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
-        if (bits) push(*arena_.shadows.data[light], g, bits, shadow.ray, shadow.contribution);
+        if (bits) push(*arena_.shadows[light], g, bits, shadow.ray, shadow.contribution);
     }
 
     /// Traces what is queued. `width` as TraceMode has it; `fromEye`: the points were met by the camera's rays.
@@ -74,7 +71,7 @@ private:
     }
 
     void traceLight(uint32_t light, uint32_t width, bool fromEye) {
-        ShadowQueue& queue = *arena_.shadows.data[light];
+        ShadowQueue& queue = *arena_.shadows[light];
         bool seen = fromEye && kernel_.shinesFromEye(light) != 0;  // by all that the camera's rays meet
         bool traced = (EFFECTS & kernel_.frame.effects & EFFECT_SHADOWS) != 0 && !seen;
         bool coloured = (EFFECTS & kernel_.frame.effects & EFFECT_TRANSPARENT_SHADOWS) != 0;  // else as if opaque

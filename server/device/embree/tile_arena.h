@@ -7,6 +7,8 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <memory>
+#include <vector>
 
 namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
@@ -154,16 +156,12 @@ struct Arena {
     uint16_t misses[BLOCK_LANES + PACKET];
     uint32_t activeCount = 0;
     PathStacks stacks;
-    Buffer<ShadowQueue*> shadows;
-    uint32_t shadowQueues = 0;
+    std::vector<std::unique_ptr<ShadowQueue>> shadows;  // by light
     Buffer<OcclusionGroup> occlusion;
     uint32_t occlusionCount = 0;
     RTCRayHit16 packet;
 
     Arena() { setConstants(packet.ray); }
-    ~Arena() {
-        for (uint32_t i = 0; i < shadowQueues; i++) delete shadows.data[i];
-    }
 };
 
 // ---- loads and stores of arrays with one value per pixel, for the pixels of a group ----

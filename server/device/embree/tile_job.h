@@ -6,6 +6,8 @@
 #include "server/film/tile.h"
 #include "server/kernel/scene_view.h"
 
+#include <memory>
+
 namespace heliograph {
 
 struct TraceOptions {
@@ -36,8 +38,8 @@ public:
 
 /// A program that can be made.
 struct TileProgramRow {
-    uint32_t effects;        // EFFECT_* bits that it can do
-    TileProgram* (*make)();  // caller owns
+    uint32_t effects;  // EFFECT_* bits that it can do
+    std::unique_ptr<TileProgram> (*make)();
 };
 
 /// The programs compiled for one instruction set.

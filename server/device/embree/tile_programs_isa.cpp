@@ -4,7 +4,7 @@
 
 #include "server/device/embree/tile_tracer.h"
 
-#include <new>
+#include <memory>
 
 namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
@@ -13,17 +13,15 @@ namespace {
 template <uint32_t EFFECTS>
 class CompiledProgram final : public TileProgram {
 public:
-    CompiledProgram() : arena_(new Arena()) {}
-    ~CompiledProgram() override { delete arena_; }
-    void render(TileJob& job) override { TileTracer<EFFECTS>(job, *arena_).render(); }
+    void render(TileJob& job) override { TileTracer<EFFECTS>(job, arena_).render(); }
 
 private:
-    Arena* arena_;
+    Arena arena_;
 };
 
 template <uint32_t EFFECTS>
-TileProgram* makeProgram() {
-    return new CompiledProgram<EFFECTS & ~HELIOGRAPH_EFFECTS_LEFT_OUT>();
+std::unique_ptr<TileProgram> makeProgram() {
+    return std::make_unique<CompiledProgram<EFFECTS & ~HELIOGRAPH_EFFECTS_LEFT_OUT>>();
 }
 
 /// The programs, from the fewest effects to all of them: column `tier` of the effect table.
