@@ -15,6 +15,7 @@
     LIMIT(double, BYTE_BURST, 4194304, "bytes", "at once; more: close 1008")                                                 \
     LIMIT(size_t, SCENE_NAME_LIMIT, 256, "bytes", "the name of a scene; longer: `error`")                                    \
     LIMIT(size_t, TOKEN_LIMIT, 4096, "bytes", "the token; longer: `error`")                                                  \
+    LIMIT(uint64_t, MAX_PRESENTED_MS, 3600000, "ms", "`presentedMs` of an `ack`; more: `error`")                             \
     LIMIT(uint32_t, MIN_SIDE, 16, "pixels", "least width and height of a picture; less: `error`")                            \
     LIMIT(uint32_t, MAX_SIDE, 8192, "pixels", "largest width and height of a picture; more: `error`")                        \
     LIMIT(uint64_t, MAX_PIXELS, 33177600, "pixels", "of a picture (7680 x 4320); more: `error`")                             \

@@ -118,7 +118,11 @@ void read(const Fields& fields, SceneMessage& message) { message.name = fields.t
 
 void read(const Fields& fields, AckMessage& message) {
     message.frameId = fields.uint("frameId");
-    if (!fields.isNull("presentedMs")) message.presentedMs = fields.number("presentedMs");
+    if (fields.isNull("presentedMs")) return;
+    const double ms = fields.number("presentedMs");
+    if (ms < 0.0 || ms > MAX_PRESENTED_MS)
+        fields.refuse("presentedMs", nlohmann::json(ms).dump(), "0 to " + std::to_string(MAX_PRESENTED_MS) + ", or null");
+    message.presentedMs = ms;
 }
 
 void read(const Fields& fields, PictureMessage& message) {

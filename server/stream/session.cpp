@@ -72,7 +72,11 @@ void Session::receive(std::string_view text) {
                 if constexpr (requires { m.inputId; }) inputId = m.inputId;
             },
             message);
+        if (inputId && *inputId < newestInput_) {
+            throw InputError("inputId", std::to_string(*inputId), "at least " + std::to_string(newestInput_) + ": ids grow");
+        }
         std::visit([&](const auto& m) { handle(m); }, message);
+        newestInput_ = inputId.value_or(newestInput_);
     } catch (const MessageError& e) {
         refuse(e, e.about(), e.inputId());
     } catch (const InputError& e) {

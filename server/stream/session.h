@@ -99,6 +99,7 @@ private:
     Metrics& metrics_;
     const Options options_;
     const Clock::time_point opened_ = Clock::now();
+    uint32_t newestInput_ = 0;  // of the messages that were taken; the socket's thread alone
 
     std::mutex mutex_;  // of what stands before viewer_; held while calling viewer_ and loop_, never while calling host_
     bool authorized_ = false;

@@ -47,6 +47,10 @@ TEST(Protocol, ReadsEveryOtherType) {
     EXPECT_EQ(ack.presentedMs, 12.5);
     EXPECT_FALSE(std::get<AckMessage>(parseViewerMessage(R"({"type":"ack","frameId":5,"presentedMs":null})")).presentedMs);
     EXPECT_FALSE(std::get<AckMessage>(parseViewerMessage(R"({"type":"ack","frameId":5})")).presentedMs);
+    for (const char* ms : {"-1", "3600001", "1.7e308", "1e400"}) {
+        const std::string text = R"({"type":"ack","frameId":5,"presentedMs":)" + std::string(ms) + "}";
+        EXPECT_THROW(parseViewerMessage(text), MessageError) << ms;
+    }
     EXPECT_EQ(std::get<PictureMessage>(parseViewerMessage(R"({"type":"picture","format":"exr"})")).format, PictureFormat::exr);
     EXPECT_TRUE(std::get<PathMessage>(parseViewerMessage(R"({"type":"path","playing":true})")).playing);
     EXPECT_EQ(std::get<PingMessage>(parseViewerMessage(R"({"type":"ping","time":1.5e3})")).time, 1500.0);

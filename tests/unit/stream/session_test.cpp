@@ -248,6 +248,29 @@ TEST(Session, SettingsAreTakenAllOrNone) {
     }
 }
 
+TEST(Session, InputsThatGoBackAreRefused) {
+    Line line;
+    line.session->begin();
+    auto samples = [&](uint32_t inputId, int count) {
+        line.say({{"type", "settings"}, {"inputId", inputId}, {"values", {{"samples", count}}}});
+    };
+    samples(4294967295u, 9);
+    samples(0, 10);
+    EXPECT_EQ(line.socket->last("error")["inputId"], 0);
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("inputId: 0; allowed: at least 4294967295"));
+    EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 9);
+    samples(4294967295u, 11);  // the same once more goes back by nothing
+    EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 11);
+}
+
+TEST(Session, AnInputThatWasRefusedIsNotCounted) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "settings"}, {"inputId", 900}, {"values", {{"samples", -1}}}});
+    line.say({{"type", "settings"}, {"inputId", 2}, {"values", {{"samples", 12}}}});
+    EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 12);
+}
+
 TEST(Session, OffersAndTakesOnlyDevicesThatAreHere) {
     Line line;
     line.session->begin();
