@@ -2,8 +2,8 @@
 
 #include "server/app/bench_effects.h"
 #include "server/app/devices.h"
-#include "server/app/output_file.h"
-#include "server/app/progress_bar.h"
+#include "server/base/output_file.h"
+#include "server/base/progress_bar.h"
 #include "server/base/error.h"
 #include "server/base/machine.h"
 #include "server/lab/device_bench.h"

@@ -2,7 +2,7 @@
 
 #include "server/app/bench_partner.h"
 #include "server/app/devices.h"
-#include "server/app/progress_bar.h"
+#include "server/base/progress_bar.h"
 #include "server/base/clock.h"
 #include "server/base/error.h"
 #include "server/base/text.h"

@@ -1,6 +1,6 @@
 #include "server/app/inspect_command.h"
 
-#include "server/app/progress_bar.h"
+#include "server/base/progress_bar.h"
 #include "server/base/clock.h"
 #include "server/base/text.h"
 #include "server/request/effect_rules.h"

@@ -1,8 +1,8 @@
 #include "server/app/render_command.h"
 
 #include "server/app/devices.h"
-#include "server/app/output_file.h"
-#include "server/app/progress_bar.h"
+#include "server/base/output_file.h"
+#include "server/base/progress_bar.h"
 #include "server/base/clock.h"
 #include "server/base/error.h"
 #include "server/base/text.h"

@@ -1,4 +1,4 @@
-#include "server/app/output_file.h"
+#include "server/base/output_file.h"
 
 #include "server/base/error.h"
 

@@ -1,4 +1,4 @@
-#include "server/app/progress_bar.h"
+#include "server/base/progress_bar.h"
 
 #include "server/base/clock.h"
 #include "server/base/text.h"
