@@ -2,9 +2,14 @@
 #include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
+#include "server/base/ports.h"
 #include "server/base/text.h"
 
 #include <gtest/gtest.h>
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <sstream>
@@ -49,6 +54,28 @@ TEST(Machine, ResidentMemoryGrowsWithWhatIsTouched) {
 TEST(Machine, HasAProcessorWithAName) {
     EXPECT_GE(usableProcessors(), 1u);
     EXPECT_FALSE(processorName().empty());
+}
+
+TEST(Ports, NamesWhoListens) {
+    const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    ASSERT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&address), size), 0);
+    getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+    const int port = ntohs(address.sin_port);
+    EXPECT_EQ(portHolder(port), "") << "it is bound, but nobody listens";
+    listen(fd, 1);
+    const std::string us = "pid " + std::to_string(getpid()) + " (test_unit)";
+    EXPECT_EQ(portHolder(port), us);
+    EXPECT_EQ(bindFailure(EADDRINUSE, port), "Address already in use: " + us + " listens there");
+    close(fd);
+    EXPECT_EQ(bindFailure(EADDRINUSE, port), "Address already in use");
+    if (firstFreePort() > 1) {
+        EXPECT_NE(bindFailure(EACCES, firstFreePort() - 1).find("are privileged (CAP_NET_BIND_SERVICE)"), std::string::npos);
+    }
+    EXPECT_EQ(bindFailure(EACCES, 65535), "Permission denied");
 }
 
 TEST(InputError, MessageIsWhereFoundAllowed) {
