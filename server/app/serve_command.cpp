@@ -8,16 +8,15 @@
 #include "server/base/text.h"
 #include "server/net/token.h"
 #include "server/operations/configuration.h"
+#include "server/operations/notify.h"
+#include "server/operations/signals.h"
 
 #include <algorithm>
-#include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
-
-#include <unistd.h>
+#include <mutex>
 
 namespace heliograph {
 
@@ -25,47 +24,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto SHUTDOWN_LIMIT = 700ms;
-
-/// SIGINT, SIGTERM and our own SIGUSR1 ("the first scene is there or has failed"), blocked in this thread and in all that
-/// it starts, to be waited for here.
-class Signals {
-public:
-    Signals() {
-        std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to sockets that may be closed
-        sigemptyset(&set_);
-        for (int signal : {SIGINT, SIGTERM, SIGUSR1}) sigaddset(&set_, signal);
-        pthread_sigmask(SIG_BLOCK, &set_, nullptr);
-    }
-    int wait() const {
-        int signal = 0;
-        sigwait(&set_, &signal);
-        return signal;
-    }
-    static void sceneDone() { kill(getpid(), SIGUSR1); }
-
-private:
-    sigset_t set_;
-};
-
-/// Ends the process when shutting down takes too long: a scene that is just being read cannot be interrupted everywhere.
-class ShutdownLimit {
-public:
-    explicit ShutdownLimit(int exitCode)
-        : thread_([exitCode](std::stop_token stop) {
-              std::mutex mutex;
-              std::condition_variable_any over;
-              std::unique_lock lock(mutex);
-              over.wait_for(lock, stop, SHUTDOWN_LIMIT, [] { return false; });
-              if (stop.stop_requested()) return;
-              log().warn("work in progress did not end in time and is abandoned");
-              log().flush();
-              std::_Exit(exitCode);
-          }) {}
-
-private:
-    std::jthread thread_;
-};
+// Together less than 2 s, after which service managers and people lose patience.
+constexpr auto DRAIN_LIMIT = 1000ms;    // for last frames
+constexpr auto SHUTDOWN_LIMIT = 700ms;  // for work in progress
+constexpr auto LOOK_AROUND = 500ms;     // how often the main thread looks after the others
 
 std::string clientFolder(const std::string& given) {
     namespace fs = std::filesystem;
@@ -122,6 +84,7 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())
         throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");
     service.socket = socketOptions(options);
+    service.watchdog = std::chrono::seconds(options.watchdogSeconds);
     return service;
 }
 
@@ -163,38 +126,91 @@ int printConfiguration(const CommandLine& line, const CLI::App& command) {
     return 0;
 }
 
+/// The serving process between the service and those who started it: the main thread's work.
+class Steward {
+public:
+    Steward(Service& service, const Signals& signals) : service_(service), signals_(signals) {}
+
+    /// Until it is time to end; `name`: of the first scene. Throws what made that fail.
+    void serve(const std::string& name) {
+        const auto every = std::min<std::chrono::milliseconds>(manager_.watchdogEvery().value_or(LOOK_AROUND), LOOK_AROUND);
+        while (true) {
+            const Event event = signals_.wait(every);
+            if (event == Event::end) return;
+            if (event == Event::sceneDone) sceneDone(name);
+            lookAround();
+        }
+    }
+
+    /// Called from the service.
+    void opened(std::exception_ptr failure) {
+        {
+            std::lock_guard lock(mutex_);
+            failure_ = failure;
+        }
+        Signals::sceneDone();
+    }
+
+    /// Viewers are told and get their last frames; a second signal cuts that short.
+    void drain() {
+        log().info("ending");
+        manager_.stopping();
+        service_.drain(DRAIN_LIMIT);
+        const auto deadline = std::chrono::steady_clock::now() + DRAIN_LIMIT;
+        while (!service_.drained() && std::chrono::steady_clock::now() < deadline) {
+            if (signals_.wait(10ms) == Event::end) return;
+        }
+    }
+
+private:
+    void sceneDone(const std::string& name) {
+        std::lock_guard lock(mutex_);
+        if (failure_) std::rethrow_exception(failure_);
+        std::cout << "heliograph: serving " << oneLine(name) << " on " << service_.url() << std::endl;
+        manager_.ready("serving " + name + " on " + service_.url());
+    }
+
+    /// Tells the service manager that all is well, if it is; else the log, once.
+    void lookAround() {
+        const std::vector<std::string> stuck = service_.stuck();
+        if (stuck.empty() && manager_.watchdogEvery()) manager_.alive();
+        if (stuck == stuck_) return;
+        for (const std::string& part : stuck) log().error("{}: has not moved for long", part);
+        if (stuck.empty()) log().info("everything moves again");
+        stuck_ = stuck;
+    }
+
+    Service& service_;
+    const Signals& signals_;
+    ServiceManager manager_;
+    std::mutex mutex_;
+    std::exception_ptr failure_;
+    std::vector<std::string> stuck_;
+};
+
 int serve(const CommandLine& line, const CLI::App& command) {
+    const Signals signals;  // first: a signal that comes early waits
     const Configuration configured = configuration(line, command);
     const ServeOptions& options = configured.options;
     setLogJson(options.logJson);
     setLogLevel(options.logLevel);
     if (!configured.file.empty()) log().info("configuration: {}", configured.file);
     for (const std::string& warning : configured.warnings) log().warn("{}", warning);
-    Signals signals;
     ServiceOptions assembled = serviceOptions(options);
     const std::string name = assembled.scenes.front().name;
-    std::mutex mutex;
-    std::exception_ptr failure;
     std::optional<ShutdownLimit> limit;  // lives longer than the service: it watches its end
     Service service(std::move(assembled));
-    service.start([&](std::exception_ptr why) {
-        {
-            std::lock_guard lock(mutex);
-            failure = why;
-        }
-        Signals::sceneDone();
-    });
+    Steward steward(service, signals);
+    service.start([&](std::exception_ptr why) { steward.opened(why); });
     log().info("listening on {}, opening {}", service.url(), name);
-    for (int signal = signals.wait(); signal == SIGUSR1; signal = signals.wait()) {
-        std::lock_guard lock(mutex);
-        if (failure) {
-            limit.emplace(2);
-            std::rethrow_exception(failure);
-        }
-        std::cout << "heliograph: serving " << oneLine(name) << " on " << service.url() << std::endl;
+    try {
+        steward.serve(name);
+    } catch (...) {
+        limit.emplace(signals, SHUTDOWN_LIMIT, 2);
+        throw;
     }
-    log().info("ending");
-    limit.emplace(0);
+    steward.drain();
+    limit.emplace(signals, SHUTDOWN_LIMIT, 0);
     return 0;
 }
 

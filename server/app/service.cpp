@@ -45,10 +45,57 @@ Service::~Service() {
 void Service::start(std::function<void(std::exception_ptr failure)> done) {
     SceneListener listener;
     listener.progress = [](const std::string& what, double share) { log().debug("{} ({:.0f} %)", what, 100.0 * share); };
-    listener.ready = [done](std::shared_ptr<ResidentScene>) { done(nullptr); };
-    listener.failed = [done](const std::string&, std::exception_ptr error) { done(error); };
+    listener.ready = [this, done](std::shared_ptr<ResidentScene> scene) {
+        {
+            std::lock_guard lock(mutex_);
+            start_ = std::move(scene);
+        }
+        done(nullptr);
+    };
+    listener.failed = [this, done](const std::string& why, std::exception_ptr error) {
+        {
+            std::lock_guard lock(mutex_);
+            startFailure_ = why;
+        }
+        done(error);
+    };
     firstScene_ = cache_.open(options_.scenes.front().name, std::move(listener));
     socket_.start();
+}
+
+void Service::drain(std::chrono::milliseconds atMost) {
+    std::vector<std::shared_ptr<Session>> sessions;
+    {
+        std::lock_guard lock(mutex_);
+        ending_ = true;
+        sessions = sessions_;
+    }
+    for (const auto& session : sessions) session->drain(atMost);
+}
+
+bool Service::drained() const {
+    std::vector<std::shared_ptr<Session>> sessions;
+    {
+        std::lock_guard lock(mutex_);
+        sessions = sessions_;
+    }
+    return std::ranges::all_of(sessions, [](const auto& session) { return session->settled(); });
+}
+
+SocketHandler::Readiness Service::readiness() {
+    ReadinessFacts facts;
+    facts.ending = ending_;
+    facts.scene = options_.scenes.front().name;
+    facts.mostViewers = options_.socket.maxViewers;
+    facts.stuck = stuck();
+    {
+        std::lock_guard lock(mutex_);
+        facts.sceneThere = start_ != nullptr;
+        facts.sceneFailure = startFailure_;
+        facts.viewers = sessions_.size();
+    }
+    const std::optional<NotReady> state = notReady(facts);
+    return {!state, readinessJson(state)};
 }
 
 std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {
@@ -93,7 +140,7 @@ void Service::closed(std::shared_ptr<ViewerPeer> peer) {
         pixels_.erase(session->viewer());
         ended_.push_back(std::move(session));
     }
-    ending_.notify_all();
+    someEnded_.notify_all();
 }
 
 void Service::refused(const std::string& why) {
@@ -123,6 +170,8 @@ void Service::attend(std::stop_token stop) {
             never.wait_for(lock, stop, TICK, [] { return false; });
             sessions = sessions_;
         }
+        attendantPart_.beat();
+        socket_.wake();
         auto now = std::chrono::steady_clock::now();
         for (const auto& session : sessions) session->tick(now);
     }
@@ -133,7 +182,7 @@ void Service::reap(std::stop_token stop) {
     while (true) {
         std::vector<std::shared_ptr<Session>> ended;
         std::unique_lock lock(mutex_);
-        ending_.wait(lock, stop, [&] { return !ended_.empty(); });
+        someEnded_.wait(lock, stop, [&] { return !ended_.empty(); });
         ended.swap(ended_);
         lock.unlock();
         if (ended.empty()) return;

@@ -3,6 +3,8 @@
 
 #include "server/app/scene_cache.h"
 #include "server/net/socket_server.h"
+#include "server/operations/liveness.h"
+#include "server/operations/readiness.h"
 #include "server/render/device_switch.h"
 
 namespace heliograph {
@@ -18,6 +20,7 @@ struct ServiceOptions {
     /// Pixels of all films together. One takes 16 bytes a pixel, 48 from its second sample on, and a viewer may have three: 13 GiB
     /// for three viewers at 7680x4320.
     uint64_t pixelLimit = FILM_PIXELS;
+    std::chrono::seconds watchdog{20};  // a part that has not moved for so long is stuck
 };
 
 class Service : private SessionHost, private SocketHandler {
@@ -29,6 +32,13 @@ public:
 
     /// Begins to serve and to load the first scene. `done` is called once from another thread, with why it failed or null.
     void start(std::function<void(std::exception_ptr failure)> done);
+    /// The beginning of the end: viewers are told, nobody is let in, and inputs are not taken any more. `atMost`: until the
+    /// destructor comes.
+    void drain(std::chrono::milliseconds atMost);
+    /// Every viewer has the answer to its last input.
+    bool drained() const;
+    /// Parts that have not moved for as long as the option says.
+    std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), options_.watchdog); }
     std::string url() const { return socket_.url(); }
     int port() const { return socket_.port(); }
 
@@ -46,7 +56,9 @@ private:
     void closed(std::shared_ptr<ViewerPeer> peer) override;
     void refused(const std::string& why) override;
     std::string metricsText() override;
-    bool ready() override { return cache_.residentCount() > 0; }
+    Readiness readiness() override;
+    bool ending() override { return ending_; }
+    void turned() override { socketPart_.beat(); }
 
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
@@ -57,11 +69,18 @@ private:
     Metrics metrics_;
 
     mutable std::mutex mutex_;  // of all below up to lastViewer_
-    std::condition_variable_any ending_;
+    std::condition_variable_any someEnded_;
     std::vector<std::shared_ptr<Session>> sessions_;
     std::vector<std::shared_ptr<Session>> ended_;  // to be destroyed by the reaper, which waits for their threads
     std::map<uint32_t, uint64_t> pixels_;          // granted, by viewer
     uint32_t lastViewer_ = 0;
+    std::shared_ptr<ResidentScene> start_;  // stays in memory, so that a newcomer always sees something at once
+    std::string startFailure_;
+
+    std::atomic<bool> ending_{false};
+    Liveness liveness_;
+    Liveness::Part& socketPart_ = liveness_.add("socket");
+    Liveness::Part& attendantPart_ = liveness_.add("attendant");
 
     SceneCache cache_;                  // after the sessions: its devices tell them of faults for as long as they live
     std::shared_ptr<void> firstScene_;  // ticket

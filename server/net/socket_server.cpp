@@ -3,6 +3,7 @@
 #include "server/base/clock.h"
 #include "server/base/error.h"
 #include "server/base/log.h"
+#include "server/base/ports.h"
 #include "server/net/connection.h"
 #include "server/net/token.h"
 
@@ -83,7 +84,7 @@ std::string bindProblem(const ListenAddress& listen) {
     int on = 1;
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     bool bound = bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0;
-    std::string problem = bound ? "" : std::generic_category().message(errno);
+    std::string problem = bound ? "" : bindFailure(errno, listen.port);
     ::close(fd);
     return problem;
 }
@@ -128,6 +129,7 @@ public:
         thread_ = std::thread([this] { serve(); });
     }
     void stop();
+    void wake() { (*waker_)(); }
 
     lws_context* context_ = nullptr;
     int port_ = 0;
@@ -287,6 +289,7 @@ int SocketServer::Impl::callback(lws* wsi, lws_callback_reasons reason, void*, v
 
 int SocketServer::Impl::http(lws* wsi, lws_callback_reasons reason, std::string_view in) {
     switch (reason) {
+        case LWS_CALLBACK_EVENT_WAIT_CANCELLED: handler_.turned(); return 0;
         case LWS_CALLBACK_HTTP: return request(wsi, in);
         case LWS_CALLBACK_HTTP_WRITEABLE: return writeAnswer(wsi);
         case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE: return in == "websocket" ? upgrade(wsi) : -1;
@@ -302,8 +305,8 @@ int SocketServer::Impl::request(lws* wsi, std::string_view path) {
     }
     if (path == "/healthz") return answer(wsi, 200, "text/plain", {"ok\n", {}, 0});
     if (path == "/readyz") {
-        bool ready = handler_.ready();
-        return answer(wsi, ready ? 200 : 503, "text/plain", {ready ? "ready\n" : "no scene yet\n", {}, 0});
+        SocketHandler::Readiness state = handler_.readiness();
+        return answer(wsi, state.ready ? 200 : 503, "application/json", {std::move(state.json), {}, 0});
     }
     if (path == "/metrics") {
         if (!options_.token.empty() && !hasToken(wsi))
@@ -384,6 +387,7 @@ int SocketServer::Impl::upgrade(lws* wsi) {
         return refuse(wsi, 401, "wrong token");
     }
     if (!options_.token.empty() && hasToken(wsi)) authorized_.insert(wsi);
+    if (handler_.ending()) return refuse(wsi, 503, "the server ends");
     if (viewers_.size() >= options_.maxViewers) return refuse(wsi, 503, "no room for another viewer");
     return 0;
 }
@@ -468,6 +472,7 @@ SocketServer::~SocketServer() = default;
 int SocketServer::port() const { return impl_->port_; }
 void SocketServer::start() { impl_->start(); }
 void SocketServer::stop() { impl_->stop(); }
+void SocketServer::wake() { impl_->wake(); }
 
 std::string SocketServer::url() const {
     std::string host = impl_->options_.listen.host;

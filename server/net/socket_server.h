@@ -31,8 +31,16 @@ public:
     /// A connection was turned away.
     virtual void refused(const std::string& why) = 0;
     virtual std::string metricsText() = 0;
-    /// A scene can be shown.
-    virtual bool ready() = 0;
+    struct Readiness {
+        bool ready = false;
+        std::string json;  // what /readyz answers
+    };
+    /// Whether the next viewer would see something.
+    virtual Readiness readiness() = 0;
+    /// Nobody is let in any more.
+    virtual bool ending() = 0;
+    /// The socket's thread moves; comes some time after SocketServer::wake.
+    virtual void turned() = 0;
 };
 
 class SocketServer {
@@ -47,6 +55,8 @@ public:
     std::string url() const;
     /// Begins to serve, on a thread of its own.
     void start();
+    /// Makes the socket's thread say that it moves.
+    void wake();
     /// Says goodbye to the viewers and ends within some 0.2 s.
     void stop();
 

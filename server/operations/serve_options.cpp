@@ -43,6 +43,10 @@ const OptionRow ROWS[] = {
     {"allow-origin", &O::origins, "URL", "Another origin whose pages may connect, as https://example.org", true, 0, 0,
      checkName},
     {"max-viewers", &O::maxViewers, "N", "Viewers at once", true, 1, 1000},
+    {"watchdog", &O::watchdogSeconds, "SECONDS",
+     "A part of the server that has not moved for so long is named in the log and by /readyz, and the\nservice manager is not "
+     "told any more that all is well",
+     true, 2, 3600},
     {"log-level", &O::logLevel, "LEVEL", "trace, debug, info, warn, error or off", true, 0, 0, checkLogLevel},
     {"log-json", &O::logJson, "", "Log as JSON, one object a line", true},
 };

@@ -25,6 +25,7 @@ struct ServeOptions {
     std::string client;
     std::vector<std::string> origins;
     uint64_t maxViewers = MAX_VIEWERS;
+    uint64_t watchdogSeconds = 20;
     std::string logLevel = "info";
     bool logJson = false;
 };

@@ -209,6 +209,10 @@ std::string effectCostsFailedMessage(const std::string& why) {
 
 std::string noticeMessage(const std::string& words) { return text({{"type", "notice"}, {"text", words}}); }
 
+std::string endingMessage(std::chrono::milliseconds atMost) {
+    return text({{"type", "notice"}, {"text", "The server ends."}, {"endsInMs", atMost.count()}});
+}
+
 std::string errorMessage(const std::string& words, const std::string& about, std::optional<uint32_t> inputId) {
     json message = {{"type", "error"}, {"message", words}, {"about", about}};
     if (inputId) message["inputId"] = *inputId;

@@ -9,6 +9,7 @@
 #include "server/film/tile.h"
 #include "server/scene/load/scene_source.h"
 
+#include <chrono>
 #include <map>
 
 namespace heliograph {
@@ -49,6 +50,8 @@ std::string effectCostsMeasuringMessage(double share);
 std::string effectCostsReadyMessage(const EffectCosts& costs);
 std::string effectCostsFailedMessage(const std::string& why);
 std::string noticeMessage(const std::string& text);
+/// A notice that the server ends, at the latest after that time.
+std::string endingMessage(std::chrono::milliseconds atMost);
 std::string errorMessage(const std::string& text, const std::string& about, std::optional<uint32_t> inputId);
 std::string pongMessage(double time);
 

@@ -66,6 +66,7 @@ void Session::receive(std::string_view text) {
             viewer_.close(CloseCode::unauthorized, "the first message has to be the token");
             return;
         }
+        if (draining() && !std::holds_alternative<AckMessage>(message)) return;
         std::visit(
             [&](const auto& m) {
                 about = m.TYPE;
@@ -310,7 +311,12 @@ void Session::take(FinishedFrame&& frame) {
     if (!frame.picture) metrics_.stages[Metrics::render].add(frame.figures.lastPassSeconds);
     metrics_.nonfiniteSamples += frame.figures.nonfiniteSamples;
     for (size_t i = 0; i < metrics_.rays.size(); i++) metrics_.rays[i] += frame.figures.rays.by[i];
+    const bool shown = !frame.picture;
+    const uint32_t inputId = frame.view.inputId;
     viewer_.take(std::move(frame));
+    // Only now: who drains must find it on its way.
+    std::lock_guard lock(mutex_);
+    if (shown) shownInput_ = inputId;
 }
 
 void Session::pathEnded(const FrameSummary& result) {
@@ -349,6 +355,24 @@ void Session::tick(Clock::time_point now) {
 void Session::notice(const std::string& what) {
     std::lock_guard lock(mutex_);
     if (authorized_ && !ended_) viewer_.say(noticeMessage(what));
+}
+
+bool Session::draining() {
+    std::lock_guard lock(mutex_);
+    return draining_;
+}
+
+void Session::drain(std::chrono::milliseconds atMost) {
+    std::lock_guard lock(mutex_);
+    if (ended_ || draining_) return;
+    draining_ = true;
+    if (authorized_) viewer_.say(endingMessage(atMost));
+}
+
+bool Session::settled() {
+    std::lock_guard lock(mutex_);
+    const bool looks = authorized_ && scene_ && request_.resolution.x > 0 && !ended_;
+    return !looks || (shownInput_ == request_.inputId && viewer_.nothingOnItsWay());
 }
 
 void Session::end() {

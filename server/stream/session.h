@@ -56,6 +56,11 @@ public:
     void tick(Clock::time_point now);
     /// Tells the viewer something in one line.
     void notice(const std::string& what);
+    /// The server ends: the viewer is told, and what it sends is not taken any more but acknowledgements.
+    void drain(std::chrono::milliseconds atMost);
+    /// Nothing is on its way to the viewer any more that it waits for: its last input was answered by a frame, which it has
+    /// acknowledged.
+    bool settled();
     /// The viewer has gone: ends all work without waiting.
     void end();
 
@@ -84,6 +89,7 @@ private:
     void handle(const EffectCostsMessage& message);
     void handle(const FocusMessage& message);
 
+    bool draining();
     void welcome();
     void openScene(const std::string& name);
     void sceneProgress(uint64_t order, const std::string& what, double share);
@@ -104,6 +110,8 @@ private:
     std::mutex mutex_;  // of what stands before viewer_; held while calling viewer_ and loop_, never while calling host_
     bool authorized_ = false;
     bool ended_ = false;
+    bool draining_ = false;
+    uint32_t shownInput_ = 0;  // of the newest frame that was given to the viewer
     ViewRequest request_;
     std::shared_ptr<ResidentScene> scene_;
     std::string sceneName_;    // of scene_

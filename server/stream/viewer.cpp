@@ -43,6 +43,12 @@ Readiness Viewer::readiness() const {
     return Clock::now() - flights_.front().since > STALL_PAUSE ? Readiness::stalled : Readiness::noCredit;
 }
 
+bool Viewer::nothingOnItsWay() const {
+    if (encoder_.busy()) return false;
+    std::lock_guard lock(mutex_);
+    return flights_.empty() || Clock::now() - flights_.front().since > STALL_PAUSE;
+}
+
 void Viewer::take(FinishedFrame frame) {
     FrameHeader header;
     header.codec = frame.picture ? codecOf(frame.picture->format) : FrameCodec::jpeg;

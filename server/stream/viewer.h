@@ -39,6 +39,8 @@ public:
     Readiness readiness() const;
     /// Encodes and sends the frame; only when `readiness` is ready, for a picture when it is not busy.
     void take(FinishedFrame frame);
+    /// No frame is being encoded or waits to be acknowledged, or nothing was for long.
+    bool nothingOnItsWay() const;
     /// The viewer has shown a frame. Throws InputError for one that was never sent.
     void acknowledge(const AckMessage& message);
 

@@ -272,5 +272,56 @@ TEST(Service, ASlowGoodbyeStopsNobodysClock) {
     gate.open.count_down();
 }
 
+json readiness(int port) { return json::parse(WebClient(port).get("/readyz").body); }
+
+TEST(Service, SaysWhyItIsNotReady) {
+    ServiceOptions two = options();
+    two.socket.maxViewers = 1;
+    std::binary_semaphore open{0};
+    const auto plain = two.openScene;
+    two.openScene = [&](const std::string& name, const Progress& progress) {
+        open.acquire();
+        return plain(name, progress);
+    };
+    std::latch started{1};
+    Service service(std::move(two));
+    service.start([&](std::exception_ptr) { started.count_down(); });
+    EXPECT_EQ(readiness(service.port())["reason"], "loading");
+    open.release();
+    started.wait();
+    EXPECT_EQ(readiness(service.port()), json({{"ready", true}}));
+    Viewer viewer(service.port());
+    viewer.untilText("hello");
+    EXPECT_EQ(readiness(service.port())["reason"], "full");
+    service.drain(std::chrono::seconds(1));
+    EXPECT_EQ(readiness(service.port())["reason"], "draining");
+}
+
+TEST(Service, DrainAnswersTheLastInput) {
+    Running s;
+    Viewer a(s.service.port());
+    a.size(64, 48, 1);
+    a.untilInput(1);
+    for (uint32_t id = 2; id < 30; id++) a.look(id);
+    a.waiting("pong");  // all of them have arrived
+    s.service.drain(std::chrono::seconds(1));
+    a.look(99);  // too late
+    json ending = a.untilText("notice");
+    EXPECT_EQ(ending["endsInMs"], 1000);
+    EXPECT_EQ(WebClient(s.service.port()).upgrade(OURS).status, 503);
+    EXPECT_FALSE(s.service.drained()) << "the answer to input 29 is not acknowledged yet";
+    a.untilInput(29);
+    EXPECT_TRUE(until([&] { return s.service.drained(); }));
+}
+
+TEST(Service, DrainDoesNotWaitForWhoSeesNothing) {
+    Running s;
+    Viewer a(s.service.port());
+    a.untilText("hello");
+    s.service.drain(std::chrono::seconds(1));
+    EXPECT_TRUE(s.service.drained());
+    EXPECT_EQ(a.untilText("notice")["text"], "The server ends.");
+}
+
 }  // namespace
 }  // namespace heliograph

@@ -62,7 +62,9 @@ public:
     }
     void refused(const std::string&) override { refusals++; }
     std::string metricsText() override { return "metric 1\n"; }
-    bool ready() override { return isReady; }
+    Readiness readiness() override { return {isReady, isReady ? "{\"ready\":true}" : "{\"ready\":false}"}; }
+    bool ending() override { return isEnding; }
+    void turned() override { turns++; }
     bool untilOpen(int count) {
         std::unique_lock lock(mutex);
         return changed.wait_for(lock, std::chrono::seconds(20), [&] { return open == count; });
@@ -74,7 +76,8 @@ public:
     int open = 0;
     bool authorized = false;
     std::atomic<int> refusals{0};
-    std::atomic<bool> isReady{false};
+    std::atomic<bool> isReady{false}, isEnding{false};
+    std::atomic<int> turns{0};
 };
 
 SocketOptions options() {
@@ -134,10 +137,29 @@ TEST(SocketServer, HeadHasNoBodyAndPostIsRefused) {
 TEST(SocketServer, SaysHowItIs) {
     Server s;
     EXPECT_EQ(WebClient(s.port()).get("/healthz").body, "ok\n");
-    EXPECT_EQ(WebClient(s.port()).get("/readyz").status, 503);
+    HttpAnswer notYet = WebClient(s.port()).get("/readyz");
+    EXPECT_EQ(notYet.status, 503);
+    EXPECT_EQ(notYet.header("content-type"), "application/json");
+    EXPECT_EQ(notYet.body, "{\"ready\":false}");
     s.handler.isReady = true;
     EXPECT_EQ(WebClient(s.port()).get("/readyz").status, 200);
     EXPECT_EQ(WebClient(s.port()).get("/metrics").body, "metric 1\n");
+}
+
+TEST(SocketServer, LetsNobodyInWhileItEnds) {
+    Server s;
+    s.handler.isEnding = true;
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS).status, 503);
+    EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200);
+}
+
+TEST(SocketServer, SaysThatItMovesWhenItIsWoken) {
+    Server s;
+    for (int last = s.handler.turns, round = 0; round < 3; round++, last = s.handler.turns) {
+        s.server.wake();
+        for (int i = 0; i < 2000 && s.handler.turns == last; i++) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        ASSERT_GT(s.handler.turns, last);
+    }
 }
 
 TEST(SocketServer, SpeaksOnlyItsProtocol) {

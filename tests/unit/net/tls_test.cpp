@@ -73,7 +73,9 @@ public:
     void closed(std::shared_ptr<ViewerPeer>) override {}
     void refused(const std::string&) override {}
     std::string metricsText() override { return {}; }
-    bool ready() override { return true; }
+    Readiness readiness() override { return {true, "{}"}; }
+    bool ending() override { return false; }
+    void turned() override {}
 };
 
 SocketOptions options(const Certificate& certificate) {

@@ -112,7 +112,8 @@ TEST_F(ConfigurationTest, NamesLineValueAndRange) {
     EXPECT_THAT(refusal("listen = 'nowhere'"),
                 AllOf(StartsWith(at + "1: listen: \"nowhere\"; allowed: HOST:PORT"), testing::Not(HasSubstr("--listen"))));
     EXPECT_THAT(refusal("log-level = 'loud'"), StartsWith(at + "1: log-level: "));
-    EXPECT_THAT(refusal("[set]\n\nsamples = 0"), AllOf(StartsWith(at + "3: set.samples: setting samples: 0"), HasSubstr("1 to ")));
+    EXPECT_THAT(refusal("[set]\n\nsamples = 0"),
+                AllOf(StartsWith(at + "3: set.samples: setting samples: 0"), HasSubstr("1 to ")));
     EXPECT_THAT(refusal("[set]\nsample = 5"), StartsWith(at + "2: set.sample: "));
     EXPECT_THAT(refusal("listen = 2020-01-01"), StartsWith(at + "1: listen: a date or a time"));
     EXPECT_THAT(refusal("devices = [1]"), StartsWith(at + "1: devices: a list with something that is no text"));

@@ -1,0 +1,41 @@
+#pragma once
+// What is said to the service manager that started the process, by systemd's protocol: datagrams of KEY=value lines to the
+// socket that $NOTIFY_SOCKET names (sd_notify(3)). Without one nothing is said.
+
+#include <chrono>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace heliograph {
+
+/// Variables that were set, by name; as std::getenv.
+using EnvironmentLookup = const char* (*)(const char* name);
+inline const char* processVariable(const char* name) { return std::getenv(name); }
+
+class ServiceManager {
+public:
+    explicit ServiceManager(EnvironmentLookup lookup = processVariable);
+
+    /// Whether there is one.
+    bool listens() const { return !path_.empty(); }
+    /// How often it wants to hear alive(): half of $WATCHDOG_USEC, where that is meant for this process.
+    std::optional<std::chrono::milliseconds> watchdogEvery() const { return watchdog_; }
+
+    void ready(const std::string& status) const { say("READY=1\nSTATUS=" + line(status)); }
+    void stopping() const { say("STOPPING=1\nSTATUS=ending"); }
+    /// `ready` says that it is over.
+    void reloading() const;
+    void alive() const { say("WATCHDOG=1"); }
+    void status(const std::string& status) const { say("STATUS=" + line(status)); }
+
+private:
+    static std::string line(const std::string& text);
+    void say(std::string_view state) const;
+
+    std::string path_;  // begins with @ for a name that is no file
+    std::optional<std::chrono::milliseconds> watchdog_;
+};
+
+}  // namespace heliograph
