@@ -121,7 +121,7 @@ void Session::handle(const SettingsMessage& message) {
         for (const std::string& word : devices) words += (words.empty() ? "one of " : " ") + word;
         throw InputError("settings.device", device + " is not here", words);
     }
-    if (settings.device == Settings::choice("device", "hybrid") && !settings.enableEmbree && !settings.enableVulkan) {
+    if (settings.device == Settings::choice("device", "hybrid") && nobodyTakesPart(settings)) {
         throw InputError("settings.enableEmbree, settings.enableVulkan", "false, false",
                          "true for one of them at least with device hybrid");
     }
