@@ -53,8 +53,8 @@ private:
     Metrics& metrics() override { return metrics_; }
     // SocketHandler
     std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) override;
-    void closed(std::shared_ptr<ViewerPeer> peer) override;
-    void refused(const std::string& why) override;
+    void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) override;
+    void refused(unsigned status, const std::string& why) override;
     std::string metricsText() override;
     Readiness readiness() override;
     bool ending() override { return ending_; }
@@ -62,6 +62,8 @@ private:
 
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
+    void deviceFailed(const std::string& device, const std::string& what);
+    std::optional<NotReady> unready() const;
     void tellEverybody(const std::string& what);
 
     const ServiceOptions options_;

@@ -367,7 +367,7 @@ bool SocketServer::Impl::hasToken(lws* wsi) const {
 }
 
 int SocketServer::Impl::refuse(lws* wsi, unsigned status, const std::string& why) {
-    handler_.refused(why);
+    handler_.refused(status, why);
     lws_return_http_status(wsi, status, why.c_str());
     return 1;
 }
@@ -450,6 +450,7 @@ int SocketServer::Impl::receive(lws* wsi, Connection& connection, std::string_vi
 }
 
 int SocketServer::Impl::closeWith(lws* wsi, CloseCode code, const std::string& reason) {
+    if (auto found = viewers_.find(wsi); found != viewers_.end()) found->second->closedWith = code;
     std::string text = reason.substr(0, 120);  // a close frame holds 125 bytes, two of them the code
     lws_close_reason(wsi, static_cast<lws_close_status>(code), reinterpret_cast<unsigned char*>(text.data()), text.size());
     return -1;
@@ -463,7 +464,7 @@ void SocketServer::Impl::forget(lws* wsi) {
     std::shared_ptr<Connection> connection = std::move(found->second);
     viewers_.erase(found);
     connection->disconnect();
-    if (connection->peer) handler_.closed(std::exchange(connection->peer, nullptr));
+    if (connection->peer) handler_.closed(std::exchange(connection->peer, nullptr), connection->closedWith);
 }
 
 SocketServer::SocketServer(SocketOptions options, SocketHandler& handler)

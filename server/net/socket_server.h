@@ -26,10 +26,10 @@ public:
     virtual ~SocketHandler() = default;
     /// A viewer connected. `authorized`: it brought the token as `Authorization: Bearer`.
     virtual std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) = 0;
-    /// It has gone; its socket takes nothing any more.
-    virtual void closed(std::shared_ptr<ViewerPeer> peer) = 0;
-    /// A connection was turned away.
-    virtual void refused(const std::string& why) = 0;
+    /// It has gone; its socket takes nothing any more. `code`: what the server closed with; nothing where the viewer left.
+    virtual void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) = 0;
+    /// A connection was turned away with this HTTP status.
+    virtual void refused(unsigned status, const std::string& why) = 0;
     virtual std::string metricsText() = 0;
     struct Readiness {
         bool ready = false;

@@ -182,7 +182,8 @@ TEST(SceneCache, EndsInTheMiddleOfALoad) {
 
 TEST(SceneCache, KeepsTheScenesThatWereUsedLast) {
     Source source;
-    SceneCache cache(source.opener(), source.devices(), {}, 2, 8);
+    SceneCache cache(
+        source.opener(), source.devices(), {}, [](const char*) {}, 2, 8);
     auto look = [&](const std::string& name) {
         Told told;
         auto ticket = cache.open(name, told.listener());
@@ -199,7 +200,8 @@ TEST(SceneCache, KeepsTheScenesThatWereUsedLast) {
 
 TEST(SceneCache, ScenesInUseStayAndTheirNumberIsLimited) {
     Source source;
-    SceneCache cache(source.opener(), source.devices(), {}, 1, 2);
+    SceneCache cache(
+        source.opener(), source.devices(), {}, [](const char*) {}, 1, 2);
     Told a, b, c;
     auto one = cache.open("a", a.listener());
     ASSERT_TRUE(a.untilReady());

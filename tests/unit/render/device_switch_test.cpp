@@ -139,7 +139,7 @@ struct Hybrid : ::testing::Test {
     };
     void make(bool patient) {
         DeviceSwitchOptions options;
-        options.notice = [this](const std::string& what) { notices.push_back(what); };
+        options.notice = [this](const std::string&, const std::string& what) { notices.push_back(what); };
         options.patient = patient;
         device = makeDeviceSwitch(offer, scheduler, std::move(options));
         device->load(std::make_shared<Scene>(), settings, {});
@@ -345,7 +345,8 @@ TEST_F(Hybrid, WithoutThreadsDevicesAreMadeReadyByWhoAsks) {
     TileScheduler poor([](std::function<void()>) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
     });
-    device = makeDeviceSwitch(offer, poor, {.notice = [this](const std::string& what) { notices.push_back(what); }});
+    device = makeDeviceSwitch(offer, poor,
+                              {.notice = [this](const std::string&, const std::string& what) { notices.push_back(what); }});
     device->load(std::make_shared<Scene>(), settings, {});
     EXPECT_EQ(render().samples, 1u);
     EXPECT_EQ(render().samples, 1u);

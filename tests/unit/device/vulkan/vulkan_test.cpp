@@ -305,7 +305,7 @@ std::unique_ptr<Device> withSpare(std::function<std::unique_ptr<Device>()> make,
     offer.make = [make](const std::string& name) { return name == "embree" ? makeEmbreeDevice() : make(); };
     offer.spare = "embree";
     DeviceSwitchOptions options;
-    options.notice = [&told](const std::string& what) { told = what; };
+    options.notice = [&told](const std::string&, const std::string& what) { told = what; };
     return makeDeviceSwitch(std::move(offer), scheduler, std::move(options));
 }
 
