@@ -1,6 +1,7 @@
 #include "server/app/scene_cache.h"
 
 #include "server/base/error.h"
+#include "tests/support/until.h"
 
 #include <gtest/gtest.h>
 
@@ -190,7 +191,7 @@ TEST(SceneCache, KeepsTheScenesThatWereUsedLast) {
         ASSERT_TRUE(told.untilReady()) << name;
     };
     for (const char* name : {"a", "b", "a", "c"}) look(name);
-    while (cache.residentCount() > 2) std::this_thread::yield();  // "b" goes after "c" was told
+    ASSERT_TRUE(test::until([&] { return cache.residentCount() <= 2; }));  // "b" goes after "c" was told
     EXPECT_EQ(source.opened, 3);
     look("a");
     EXPECT_EQ(source.opened, 3);

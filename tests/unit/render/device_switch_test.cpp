@@ -184,7 +184,7 @@ TEST_F(Hybrid, AViewerIsServedByThoseThatAreReadyMeanwhile) {
     EXPECT_EQ(stats.tiles.count("vulkan:0"), 0u);
     EXPECT_THAT(history->report.devices[1].part.reason, ::testing::HasSubstr("given the scene"));
     gpu.release();
-    while (gpu.calls == 0) render();
+    ASSERT_TRUE(test::until([&] { return render(), gpu.calls > 0; }));
     EXPECT_EQ(gpu.loads, 1u);
 }
 
