@@ -24,7 +24,11 @@ Service::Service(ServiceOptions options)
               switching.notice = [this](const std::string& device, const std::string& what) { deviceFailed(device, what); };
               return makeDeviceSwitch(options_.devices, scheduler_, std::move(switching));
           },
-          options_.defaults, [this](const char* outcome) { metrics_.loads.add(outcome); }),
+          options_.defaults,
+          [this](const char* outcome) {
+              metrics_.loads.add(outcome);
+              left_++;
+          }),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }),
       reaper_([this](std::stop_token stop) { reap(stop); }) {}
@@ -213,6 +217,7 @@ void Service::reap(std::stop_token stop) {
         ended.swap(ended_);
         lock.unlock();
         if (ended.empty()) return;
+        left_ += ended.size();
     }
 }
 

@@ -39,6 +39,8 @@ public:
     bool drained() const;
     /// Parts that have not moved for as long as the option says.
     std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), options_.watchdog); }
+    /// Viewers that have gone and loads of scenes that are over: after each there is memory to give back.
+    uint64_t leftCount() const { return left_; }
     std::string url() const { return socket_.url(); }
     int port() const { return socket_.port(); }
 
@@ -80,6 +82,7 @@ private:
     std::string startFailure_;
 
     std::atomic<bool> ending_{false};
+    std::atomic<uint64_t> left_{0};  // viewers and loads that are over
     Liveness liveness_;
     Liveness::Part& socketPart_ = liveness_.add("socket");
     Liveness::Part& attendantPart_ = liveness_.add("attendant");
