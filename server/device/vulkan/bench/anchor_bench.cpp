@@ -193,9 +193,9 @@ private:
         const VkSpecializationMapEntry entry{1, 0, 4};
         VkSpecializationInfo specialization{1, &entry, 4, &mode};
         VkPipelineShaderStageCreateInfo stages[] = {
-            stage(shaders::anchorGenerate, VK_SHADER_STAGE_RAYGEN_BIT_KHR, &specialization),
-            stage(shaders::anchorMiss, VK_SHADER_STAGE_MISS_BIT_KHR, nullptr),
-            stage(shaders::anchorHit, VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, nullptr)};
+            stage(shaders::anchorGenerate(), VK_SHADER_STAGE_RAYGEN_BIT_KHR, &specialization),
+            stage(shaders::anchorMiss(), VK_SHADER_STAGE_MISS_BIT_KHR, nullptr),
+            stage(shaders::anchorHit(), VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, nullptr)};
         VkRayTracingShaderGroupCreateInfoKHR groups[3];
         for (uint32_t i = 0; i < 3; i++) {
             groups[i] = {VK_STRUCTURE_TYPE_RAY_TRACING_SHADER_GROUP_CREATE_INFO_KHR};

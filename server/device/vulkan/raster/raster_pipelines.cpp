@@ -15,7 +15,7 @@ constexpr uint32_t BINDINGS = BINDING_SOBOL + 1;  // the kernel's own
 RasterPipelines::RasterPipelines(Gpu& gpu) : gpu_(gpu) {
     makePass();
     makeLayout();
-    const std::span<const uint32_t> codes[] = {shaders::rasterVertex, shaders::rasterFragment()};
+    const std::span<const uint32_t> codes[] = {shaders::rasterVertex(), shaders::rasterFragment()};
     for (int i = 0; i < 2; i++) {
         VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
         info.codeSize = codes[i].size_bytes();
