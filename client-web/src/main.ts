@@ -11,7 +11,6 @@ import { attachKeyboard, attachPointers } from './camera/input.js';
 import { Panel } from './panels/panel.js';
 import { PartitionView } from './panels/partition/partition_view.js';
 import { MIME_TYPES, type Frame } from './wire/frame.js';
-import { knowDevices } from './panels/device_colors.js';
 import { displayName, fileName } from './page/scene_name.js';
 import { SettingsPanel, storedResolutionMode } from './panels/settings/settings_panel.js';
 import { StatsPanel } from './panels/statistics/stats_panel.js';
@@ -57,7 +56,6 @@ function start(): void {
   const canvas = document.querySelector('canvas')!;
   const page = document.querySelector<HTMLElement>('#page')!;
   const viewer = new Viewer(canvas, storedResolutionMode());
-  viewer.on(['hello'], () => knowDevices(viewer.state.hello?.devices ?? []));
   exposeDiagnostics(viewer);
 
   const toasts = new Toasts();

@@ -8,7 +8,6 @@
 #include "server/base/text.h"
 #include "server/net/token.h"
 #include "server/operations/configuration.h"
-#include "server/operations/memory.h"
 #include "server/operations/notify.h"
 #include "server/operations/signals.h"
 
@@ -140,8 +139,6 @@ public:
             if (event == Event::end) return;
             if (event == Event::sceneDone) sceneDone(name);
             lookAround();
-            if (trim_.due(std::chrono::steady_clock::now(), service_.leftCount()))
-                log().debug("{} MiB were given back to the system", returnFreeMemory() >> 20);
         }
     }
 
@@ -189,11 +186,9 @@ private:
     std::mutex mutex_;
     std::exception_ptr failure_;
     std::vector<std::string> stuck_;
-    TrimClock trim_;
 };
 
 int serve(const CommandLine& line, const CLI::App& command) {
-    setUpAllocator();
     const Signals signals;  // first: a signal that comes early waits
     const Configuration configured = configuration(line, command);
     const ServeOptions& options = configured.options;

@@ -1,7 +1,7 @@
 #include "server/app/service.h"
 
 #include "server/base/log.h"
-#include "server/operations/metrics_text.h"
+#include "server/base/machine.h"
 
 #include <algorithm>
 
@@ -21,14 +21,10 @@ Service::Service(ServiceOptions options)
           options_.openScene,
           [this] {
               DeviceSwitchOptions switching;
-              switching.notice = [this](const std::string& device, const std::string& what) { deviceFailed(device, what); };
+              switching.notice = [this](const std::string& what) { tellEverybody(what); };
               return makeDeviceSwitch(options_.devices, scheduler_, std::move(switching));
           },
-          options_.defaults,
-          [this](const char* outcome) {
-              metrics_.loads.add(outcome);
-              left_++;
-          }),
+          options_.defaults),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }),
       reaper_([this](std::stop_token stop) { reap(stop); }) {}
@@ -86,7 +82,7 @@ bool Service::drained() const {
     return std::ranges::all_of(sessions, [](const auto& session) { return session->settled(); });
 }
 
-std::optional<NotReady> Service::unready() const {
+SocketHandler::Readiness Service::readiness() {
     ReadinessFacts facts;
     facts.ending = ending_;
     facts.scene = options_.scenes.front().name;
@@ -98,16 +94,28 @@ std::optional<NotReady> Service::unready() const {
         facts.sceneFailure = startFailure_;
         facts.viewers = sessions_.size();
     }
-    return notReady(facts);
-}
-
-SocketHandler::Readiness Service::readiness() {
-    const std::optional<NotReady> state = unready();
+    const std::optional<NotReady> state = notReady(facts);
     return {!state, readinessJson(state)};
 }
 
 std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {
     return cache_.open(name, std::move(listener));
+}
+
+std::vector<std::string> Service::sceneNames() {
+    std::vector<std::string> names;
+    for (const SceneRecipe& scene : options_.scenes) names.push_back(scene.name);
+    return names;
+}
+
+bool Service::loadScene(const std::string& name) {
+    if (std::ranges::find(options_.scenes, name, &SceneRecipe::name) == options_.scenes.end()) return false;
+    SceneListener listener;
+    listener.progress = [](const std::string&, double) {};
+    listener.ready = [name](std::shared_ptr<ResidentScene>) { log().info("{}: loaded for an admin", name); };
+    listener.failed = [name](const std::string& why, std::exception_ptr) { log().warn("{}: {}", name, why); };
+    adminScene_ = cache_.open(name, std::move(listener));
+    return true;
 }
 
 bool Service::grantPixels(uint32_t viewer, uint64_t pixels) {
@@ -133,18 +141,15 @@ std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket
         session = std::make_shared<Session>(++lastViewer_, host, std::move(socket), std::move(options));
         sessions_.push_back(session);
     }
-    logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": connected", {{"viewer", session->viewer()}});
+    log().debug("viewer {}: connected", session->viewer());
     session->begin();
     return session;
 }
 
-void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) {
+void Service::closed(std::shared_ptr<ViewerPeer> peer) {
     auto session = std::static_pointer_cast<Session>(std::move(peer));
     session->end();
-    const std::string reason = closeReason(code);
-    metrics_.closes.add(reason);
-    logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": gone (" + reason + ")",
-            {{"viewer", session->viewer()}, {"reason", reason}, {"code", code ? static_cast<int>(*code) : 0}});
+    log().debug("viewer {}: gone", session->viewer());
     {
         std::lock_guard lock(mutex_);
         std::erase(sessions_, session);
@@ -154,32 +159,12 @@ void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> 
     someEnded_.notify_all();
 }
 
-void Service::refused(unsigned status, const std::string& why) {
-    const std::string reason = refusalReason(status);
-    metrics_.refusals.add(reason);
-    logWith(LogLevel::debug, "connection refused: " + why, {{"status", status}, {"reason", reason}});
+void Service::refused(const std::string& why) {
+    metrics_.connectionsRefused++;
+    log().debug("connection refused: {}", why);
 }
 
-std::string Service::metricsText() {
-    ServerState state;
-    readProcess(state);
-    state.ready = !unready();
-    state.mostViewers = options_.socket.maxViewers;
-    state.mostFilmPixels = options_.pixelLimit;
-    state.residentScenes = cache_.residentCount();
-    state.loadsWaiting = cache_.loadCount();
-    {
-        std::lock_guard lock(mutex_);
-        state.viewers = sessions_.size();
-        for (const auto& [viewer, pixels] : pixels_) state.filmPixels += pixels;
-    }
-    return heliograph::metricsText(metricFamilies(metrics_, state));
-}
-
-void Service::deviceFailed(const std::string& device, const std::string& what) {
-    metrics_.devices.change(device, [](DeviceCount& count) { count.setAside++; });
-    tellEverybody(what);
-}
+std::string Service::metricsText() { return metrics_.text(viewerCount(), cache_.residentCount(), residentBytes()); }
 
 /// A device that is set aside is no fault of the viewers, but they should know why frames look or last different.
 void Service::tellEverybody(const std::string& what) {
@@ -217,7 +202,6 @@ void Service::reap(std::stop_token stop) {
         ended.swap(ended_);
         lock.unlock();
         if (ended.empty()) return;
-        left_ += ended.size();
     }
 }
 

@@ -39,8 +39,6 @@ public:
     bool drained() const;
     /// Parts that have not moved for as long as the option says.
     std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), options_.watchdog); }
-    /// Viewers that have gone and loads of scenes that are over: after each there is memory to give back.
-    uint64_t leftCount() const { return left_; }
     std::string url() const { return socket_.url(); }
     int port() const { return socket_.port(); }
 
@@ -55,17 +53,17 @@ private:
     Metrics& metrics() override { return metrics_; }
     // SocketHandler
     std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) override;
-    void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) override;
-    void refused(unsigned status, const std::string& why) override;
+    void closed(std::shared_ptr<ViewerPeer> peer) override;
+    void refused(const std::string& why) override;
     std::string metricsText() override;
     Readiness readiness() override;
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
+    std::vector<std::string> sceneNames() override;
+    bool loadScene(const std::string& name) override;
 
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
-    void deviceFailed(const std::string& device, const std::string& what);
-    std::optional<NotReady> unready() const;
     void tellEverybody(const std::string& what);
 
     const ServiceOptions options_;
@@ -82,13 +80,13 @@ private:
     std::string startFailure_;
 
     std::atomic<bool> ending_{false};
-    std::atomic<uint64_t> left_{0};  // viewers and loads that are over
     Liveness liveness_;
     Liveness::Part& socketPart_ = liveness_.add("socket");
     Liveness::Part& attendantPart_ = liveness_.add("attendant");
 
     SceneCache cache_;                  // after the sessions: its devices tell them of faults for as long as they live
     std::shared_ptr<void> firstScene_;  // ticket
+    std::shared_ptr<void> adminScene_;  // ticket of what an admin had loaded last; the socket's thread alone
     SocketServer socket_;
     std::jthread attendant_, reaper_;
 };

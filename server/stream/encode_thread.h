@@ -29,7 +29,7 @@ private:
     using Job = std::pair<FinishedFrame, FrameHeader>;
     void run();
 
-    Done encoded_;
+    Done done_;
     PictureMaker maker_;
     Mailbox<Job> jobs_;
     std::atomic<bool> busy_{false};

@@ -1,0 +1,430 @@
+// What the socket server does with those who take more than they should: silent, slow, many, or guessing. Each such kind has a
+// test that a well-behaved client beside it is served.
+
+#include "server/net/socket_server.h"
+
+#include "server/base/error.h"
+#include "tests/support/until.h"
+#include "tests/support/web_client.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+namespace heliograph {
+namespace {
+
+using namespace std::chrono_literals;
+using test::HttpAnswer;
+using test::until;
+using test::WebClient;
+using testing::HasSubstr;
+
+const std::string OURS = "Sec-WebSocket-Protocol: heliograph.v1\r\n";
+const std::string TOKEN = "0123456789abcdef", ADMIN = "fedcba9876543210";
+const std::string BEARER = "Authorization: Bearer " + TOKEN + "\r\n", ADMIN_BEARER = "Authorization: Bearer " + ADMIN + "\r\n";
+
+/// Sends back what comes; "big N" sends a picture of N bytes.
+class Peer : public ViewerPeer {
+public:
+    Peer(std::shared_ptr<ViewerSocket> s, uint32_t n) : socket(std::move(s)), number(n) {}
+    void receive(std::string_view text) override {
+        if (!text.starts_with("big ")) return socket->sendText(std::string(text));
+        OutgoingPicture picture;
+        picture.kind = FrameKind::picture;
+        picture.bytes.resize(SOCKET_HEADROOM + std::stoul(std::string(text.substr(4))));
+        picture.encoded = std::chrono::steady_clock::now();
+        socket->sendPicture(std::move(picture));
+    }
+    void written(FrameKind, double, double) override {}
+    uint32_t viewer() const override { return number; }
+
+    std::shared_ptr<ViewerSocket> socket;
+    uint32_t number;
+};
+
+class Handler : public SocketHandler {
+public:
+    std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool) override {
+        if (fails) throw std::system_error(EAGAIN, std::generic_category(), "no thread");
+        opens++;
+        std::lock_guard lock(mutex);
+        sockets.push_back(socket);
+        return std::make_shared<Peer>(std::move(socket), static_cast<uint32_t>(opens));
+    }
+    void closed(std::shared_ptr<ViewerPeer>) override { closes++; }
+    void ended(uint16_t code, const std::string&) override { lastCode = code; }
+    void refused(const std::string&) override { refusals++; }
+    std::string metricsText() override { return "metric 1\n"; }
+    Readiness readiness() override { return {true, "{\"ready\":true}\n"}; }
+    bool ending() override { return false; }
+    void turned() override {}
+    std::vector<std::string> sceneNames() override { return {"cornell"}; }
+    bool loadScene(const std::string& name) override { return name == "cornell"; }
+
+    std::mutex mutex;
+    std::vector<std::shared_ptr<ViewerSocket>> sockets;
+    std::atomic<int> opens{0}, closes{0}, refusals{0}, lastCode{-1};
+    std::atomic<bool> fails{false};
+};
+
+SocketOptions options() {
+    SocketOptions o;
+    o.listen.port = 0;
+    o.maxViewers = 4;
+    o.files["/"] = {"text/html; charset=utf-8", "<p>hello"};
+    o.files["/big.js"] = {"text/javascript", std::string(12 << 20, 'x')};
+    return o;
+}
+
+struct Server {
+    explicit Server(SocketOptions o = options()) : server(std::move(o), handler) { server.start(); }
+    int port() const { return server.port(); }
+    Handler handler;
+    SocketServer server;
+};
+
+std::vector<std::unique_ptr<WebClient>> clients(int port, int count, const char* from = nullptr) {
+    std::vector<std::unique_ptr<WebClient>> all;
+    for (int i = 0; i < count; i++) all.push_back(std::make_unique<WebClient>(port, from));
+    return all;
+}
+
+TEST(SocketLimits, AViewerThatStopsReadingButSendsIsCut) {
+    SocketOptions quick = options();
+    quick.times.write = 300ms;
+    Server s(quick);
+    WebClient neighbour(s.port()), zombie(s.port(), nullptr, 4096);
+    ASSERT_EQ(neighbour.upgrade(OURS).status, 101);
+    ASSERT_EQ(zombie.upgrade(OURS).status, 101);
+    zombie.sendText("big 60000000");
+    ASSERT_TRUE(until([&] {
+        zombie.sendText("camera");  // goes on sending
+        std::this_thread::sleep_for(10ms);
+        return s.handler.closes == 1;
+    }));
+    EXPECT_EQ(s.handler.lastCode, 4008);
+    neighbour.sendText("here");
+    EXPECT_EQ(neighbour.receive()->bytes, "here");
+}
+
+TEST(SocketLimits, AViewerThatIsToldToGoButDoesNotReadIsCut) {
+    SocketOptions quick = options();
+    quick.times.close = 200ms;
+    Server s(quick);
+    WebClient zombie(s.port(), nullptr, 4096);
+    ASSERT_EQ(zombie.upgrade(OURS).status, 101);
+    zombie.sendText("big 60000000");
+    ASSERT_TRUE(until([&] { return s.handler.opens == 1; }));
+    s.handler.sockets.front()->close(CloseCode::stalled, "nothing acknowledged");
+    EXPECT_TRUE(until([&] { return s.handler.closes == 1; }));
+    EXPECT_EQ(s.handler.lastCode, 4008);
+}
+
+TEST(SocketLimits, SilentConnectionsDoNotStopHttp) {
+    SocketOptions small = options();
+    small.spareConnections = 30;
+    small.spareConnectionsPerAddress = 20;
+    Server s(small);
+    const auto silent = clients(s.port(), 100), elsewhere = clients(s.port(), 100, "127.0.0.2");
+    auto half = clients(s.port(), 50, "127.0.0.3"), kept = clients(s.port(), 50, "127.0.0.4");
+    for (auto& c : half) c->send("GET / HTTP/1.1\r\nHost: localhost\r\nX-a: ");
+    for (auto& c : kept) c->send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    auto upgrades = clients(s.port(), 50, "127.0.0.5");
+    for (auto& c : upgrades) c->send("GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n");
+    EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200);
+    EXPECT_EQ(WebClient(s.port(), "127.0.0.9").get("/").status, 200);
+    WebClient viewer(s.port());
+    EXPECT_EQ(viewer.upgrade(OURS).status, 101);
+}
+
+TEST(SocketLimits, ViewersDoNotGiveWayAndHealthIsToldBeyondTheLimit) {
+    SocketOptions small = options();
+    small.spareConnections = 0;
+    Server s(small);
+    auto viewers = clients(s.port(), 4);
+    for (auto& viewer : viewers) ASSERT_EQ(viewer->upgrade(OURS).status, 101);
+    EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200);
+    EXPECT_EQ(WebClient(s.port()).get("/metrics").status, 200);
+    const HttpAnswer page = WebClient(s.port()).get("/");
+    EXPECT_EQ(page.status, 503);
+    EXPECT_EQ(page.header("retry-after"), "2");
+    for (auto& viewer : viewers) {
+        viewer->sendText("still here");
+        EXPECT_EQ(viewer->receive()->bytes, "still here");
+    }
+}
+
+TEST(SocketLimits, ARequestIsWholeInTime) {
+    SocketOptions quick = options();
+    quick.times.request = quick.times.keepAlive = 300ms;
+    Server s(quick);
+    WebClient silent(s.port()), drips(s.port()), idle(s.port());
+    drips.send("GET / HTTP/1.1\r\nHost: loc");
+    EXPECT_EQ(idle.get("/").status, 200);
+    EXPECT_TRUE(silent.untilClosed());
+    EXPECT_EQ(drips.readAnswer().status, 408);  // each byte that drips does not prolong it
+    EXPECT_TRUE(idle.untilClosed());
+}
+
+TEST(SocketLimits, AFileThatIsNotReadIsNotKept) {
+    SocketOptions quick = options();
+    quick.times.write = 300ms;
+    Server s(quick);
+    WebClient slow(s.port(), nullptr, 4096);
+    slow.send("GET /big.js HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    std::this_thread::sleep_for(2s);
+    EXPECT_LT(slow.readAnswer().body.size(), size_t{12} << 20);  // it was cut in the middle
+}
+
+TEST(SocketLimits, GuestsHaveAPoolOfTheirOwn) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    guarded.maxGuests = 8;
+    Server s(guarded);
+    auto squatters = clients(s.port(), 20, "127.0.0.2");
+    WebClient honest(s.port(), "127.0.0.3");
+    EXPECT_EQ(honest.upgrade(OURS).status, 101);
+    for (auto& squatter : squatters) EXPECT_EQ(squatter->upgrade(OURS).status, 101);
+    EXPECT_EQ(squatters.front()->receive()->closeCode(), 1013);  // the oldest of the many
+    EXPECT_EQ(s.handler.opens, 0) << "a session before the token";
+    WebClient holder(s.port());
+    EXPECT_EQ(holder.upgrade(OURS + BEARER).status, 101);
+    honest.sendText("{\"type\":\"token\",\"token\":\"" + TOKEN + "\"}");
+    EXPECT_TRUE(until([&] { return s.handler.opens == 2; }));
+}
+
+TEST(SocketLimits, AGuestSaysTheTokenInTimeAndNothingElse) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    guarded.times.token = 200ms;
+    Server s(guarded);
+    auto after = [&](const std::string& text) {
+        WebClient guest(s.port());
+        EXPECT_EQ(guest.upgrade(OURS).status, 101);
+        if (!text.empty()) guest.sendText(text);
+        return guest.receive()->closeCode();
+    };
+    EXPECT_EQ(after(""), 4001);
+    EXPECT_EQ(after("{\"type\":\"ping\",\"time\":1}"), 4001);
+    EXPECT_EQ(after("{"), 4001);
+    EXPECT_EQ(after("{\"type\":\"token\",\"token\":\"wrong\"}"), 4001);
+    EXPECT_EQ(after(std::string(10000, ' ')), 1009);
+    EXPECT_EQ(s.handler.opens, 0);
+}
+
+TEST(SocketLimits, GuessingLocksTheAddressOut) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    Server s(guarded);
+    std::vector<std::jthread> guessers;  // side by side, as an attacker would: each answer alone comes late
+    std::atomic<int> wrong{0}, locked{0};
+    for (int t = 0; t < 30; t++) {
+        guessers.emplace_back([&] {
+            const HttpAnswer answer = WebClient(s.port(), "127.0.0.2").get("/metrics", "Authorization: Bearer guess\r\n");
+            if (answer.status == 401 && answer.header("www-authenticate") == "Bearer realm=\"heliograph\"") wrong++;
+            if (answer.status == 429 && !answer.header("retry-after").empty()) locked++;
+        });
+    }
+    guessers.clear();
+    EXPECT_EQ(wrong + locked, 30);
+    EXPECT_GE(wrong, FREE_GUESSES);
+    EXPECT_GE(locked, 1);
+    // As long as it lasts the right token does not pass either, else guessing would go on.
+    for (int i = 0; i < 4; i++) WebClient(s.port(), "127.0.0.2").get("/metrics", "Authorization: Bearer guess\r\n");
+    EXPECT_EQ(WebClient(s.port(), "127.0.0.2").upgrade(OURS + BEARER).status, 429);
+    EXPECT_EQ(WebClient(s.port(), "127.0.0.3").get("/metrics", BEARER).status, 200);  // others are not touched
+}
+
+TEST(SocketLimits, PingsAndEmptyFragmentsCountAsMessages) {
+    Server s;
+    auto flood = [&](int opcode, bool last) {
+        WebClient client(s.port());
+        EXPECT_EQ(client.upgrade(OURS).status, 101);
+        if (!last) client.sendFrame(1, "{", false);
+        for (int i = 0; i < 6000; i++) client.sendFrame(opcode, "", last);
+        while (auto message = client.receive()) {
+            if (message->opcode == 8) return message->closeCode();
+        }
+        return -1;
+    };
+    EXPECT_EQ(flood(9, true), 1008);
+    EXPECT_EQ(flood(10, true), 1008);
+    EXPECT_EQ(flood(0, false), 1008);
+}
+
+TEST(SocketLimits, After1008NothingIsRead) {
+    Server s;
+    WebClient client(s.port());
+    ASSERT_EQ(client.upgrade(OURS).status, 101);
+    const int before = s.handler.opens;
+    std::jthread sends([&] {
+        for (int i = 0; i < 3000; i++) client.sendFrame(1, std::string(60000, 'x'));
+    });
+    EXPECT_TRUE(until([&] { return s.handler.closes == before; }));
+    EXPECT_EQ(s.handler.lastCode, 1008);
+}
+
+TEST(SocketLimits, WhatRfc6455ForbidsIsClosedWith1002) {
+    Server s;
+    auto codeAfter = [&](const std::string& bytes) {
+        WebClient client(s.port());
+        EXPECT_EQ(client.upgrade(OURS).status, 101);
+        client.send(bytes);
+        auto message = client.receive();
+        return message ? message->closeCode() : -1;
+    };
+    EXPECT_EQ(codeAfter("\x81\x02hi"), 1002);                            // unmasked
+    EXPECT_EQ(codeAfter(std::string("\xc1\x80\0\0\0\0", 6)), 1002);      // reserved bit
+    EXPECT_EQ(codeAfter(std::string("\x81\x81\0\0\0\0\xff", 7)), 1007);  // no UTF-8
+    WebClient old(s.port());
+    old.send(
+        "GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 8\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: heliograph.v1\r\n\r\n");
+    const HttpAnswer answer = old.readAnswer();
+    EXPECT_EQ(answer.status, 426);
+    EXPECT_EQ(answer.header("sec-websocket-version"), "13");
+}
+
+TEST(SocketLimits, EveryRequestNamesUsRightly) {
+    Server s;
+    for (const char* path : {"/", "/healthz", "/metrics", "/ws"}) {
+        WebClient client(s.port());
+        client.send("GET " + std::string(path) + " HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+        const HttpAnswer answer = client.readAnswer();
+        EXPECT_EQ(answer.status, 421) << path;
+        EXPECT_EQ(answer.header("x-content-type-options"), "nosniff");
+    }
+    SocketOptions known = options();
+    known.allowedOrigins = {"https://render.example:444"};
+    Server t(known);
+    WebClient client(t.port());
+    client.send("GET / HTTP/1.1\r\nHost: Render.Example\r\n\r\n");
+    EXPECT_EQ(client.readAnswer().status, 200);
+}
+
+TEST(SocketLimits, WithoutMeansForAViewerTheServerGoesOn) {
+    Server s;
+    s.handler.fails = true;
+    WebClient client(s.port());
+    EXPECT_EQ(client.upgrade(OURS).status, 101);
+    EXPECT_EQ(client.receive()->closeCode(), 1013);
+    s.handler.fails = false;
+    WebClient next(s.port());
+    EXPECT_EQ(next.upgrade(OURS).status, 101);
+    next.sendText("hello");
+    EXPECT_EQ(next.receive()->bytes, "hello");
+}
+
+TEST(SocketLimits, OutOfDescriptorsItWaitsAndGoesOn) {
+    Server s;
+    WebClient viewer(s.port());
+    ASSERT_EQ(viewer.upgrade(OURS).status, 101);
+    // A client whose socket is made before the descriptors are out waits in the listen queue.
+    auto waiting = std::make_unique<WebClient>(s.port());
+    EXPECT_EQ(waiting->get("/healthz").status, 200);
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    const int next = dup(0);
+    ASSERT_GE(next, 0);
+    ::close(next);
+    rlimit none = before;
+    none.rlim_cur = static_cast<rlim_t>(next) + 1;
+    setrlimit(RLIMIT_NOFILE, &none);
+    WebClient late(s.port());  // takes the last descriptor of this process, so that the server has none for it
+    late.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    viewer.sendText("in between");
+    EXPECT_EQ(viewer.receive()->bytes, "in between");
+    setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(late.readAnswer().status, 200);
+}
+
+TEST(SocketLimits, AdminsListAndDisconnectAndDrain) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    guarded.adminToken = ADMIN;
+    Server s(guarded);
+    WebClient viewer(s.port());
+    ASSERT_EQ(viewer.upgrade(OURS + BEARER).status, 101);
+    ASSERT_TRUE(until([&] { return s.handler.opens == 1; }));
+    auto ask = [&](const std::string& what, const std::string& headers) {
+        WebClient client(s.port());
+        client.send(what + " HTTP/1.1\r\nHost: localhost\r\n" + headers + "\r\n");
+        return client.readAnswer();
+    };
+    EXPECT_EQ(ask("GET /admin/viewers", "").status, 401);
+    EXPECT_EQ(ask("GET /admin/viewers", BEARER).status, 403);
+    const HttpAnswer list = ask("GET /admin/viewers", ADMIN_BEARER);
+    EXPECT_EQ(list.status, 200);
+    const auto viewers = nlohmann::json::parse(list.body)["viewers"];
+    ASSERT_EQ(viewers.size(), 1u);
+    EXPECT_EQ(viewers[0]["viewer"], 1);
+    EXPECT_EQ(viewers[0]["scope"], "viewer");
+    EXPECT_THAT(viewers[0]["address"].get<std::string>(), HasSubstr("127.0.0.1:"));
+    EXPECT_EQ(ask("GET /admin/scenes", ADMIN_BEARER).body, "{\"scenes\":[\"cornell\"]}\n");
+    EXPECT_EQ(ask("POST /admin/scenes/cornell", ADMIN_BEARER).status, 202);
+    EXPECT_EQ(ask("POST /admin/scenes/nothing", ADMIN_BEARER).status, 404);
+    EXPECT_EQ(ask("DELETE /admin/viewers/9", ADMIN_BEARER).status, 404);
+    EXPECT_EQ(ask("DELETE /admin/viewers/1", ADMIN_BEARER).status, 200);
+    EXPECT_EQ(viewer.receive()->closeCode(), 1008);
+    EXPECT_EQ(ask("POST /admin/drain", ADMIN_BEARER).status, 200);
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS + BEARER).status, 503);
+    EXPECT_THAT(WebClient(s.port()).get("/readyz").body, HasSubstr("\"reason\":\"draining\""));
+    EXPECT_EQ(ask("DELETE /admin/drain", ADMIN_BEARER).status, 200);
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS + ADMIN_BEARER).status, 101);  // an admin may look, too
+    EXPECT_EQ(ask("PUT /admin/drain", ADMIN_BEARER).status, 405);
+    Server without;
+    EXPECT_EQ(WebClient(without.port()).get("/admin/viewers", ADMIN_BEARER).status, 404);
+}
+
+TEST(SocketLimits, AccessIsReloadedWhileViewersStay) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    Server s(guarded);
+    WebClient viewer(s.port());
+    ASSERT_EQ(viewer.upgrade(OURS + BEARER).status, 101);
+    SocketAccess access = guarded;
+    access.token = "another token of viewers";
+    access.maxViewers = 1;
+    s.server.reload(access);
+    EXPECT_EQ(WebClient(s.port(), "127.0.0.2").get("/metrics", BEARER).status, 401);
+    EXPECT_EQ(WebClient(s.port()).get("/metrics", "Authorization: Bearer another token of viewers\r\n").status, 200);
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS + "Authorization: Bearer another token of viewers\r\n").status, 503);
+    viewer.sendText("still here");
+    EXPECT_EQ(viewer.receive()->bytes, "still here");
+    access.certificateFile = access.keyFile = "/nowhere";
+    EXPECT_THROW(s.server.reload(access), InputError);
+}
+
+TEST(SocketLimits, ListensInSeveralPlaces) {
+    std::string pattern = (std::filesystem::temp_directory_path() / "heliograph-XXXXXX").string();
+    const std::string folder = mkdtemp(pattern.data()), path = folder + "/socket";
+    SocketOptions several = options();
+    several.moreListens = {parseListenAddress("127.0.0.2:0"), parseListenAddress("unix:" + path)};
+    {
+        Server s(several);
+        EXPECT_THAT(s.server.urls(), HasSubstr(", http://127.0.0.2:"));
+        EXPECT_THAT(s.server.urls(), HasSubstr(", unix:" + path));
+        EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200);
+        EXPECT_EQ(WebClient(path).get("/healthz").status, 200);
+        WebClient viewer(path);
+        EXPECT_EQ(viewer.upgrade(OURS).status, 101);
+        Handler handler;
+        EXPECT_THROW(SocketServer(several, handler), InputError);  // someone listens there
+    }
+    EXPECT_FALSE(std::filesystem::exists(path));
+    std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace heliograph
