@@ -40,6 +40,10 @@ public:
     /// Parts that have not moved for as long as the option says.
     std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), options_.watchdog); }
     std::string url() const { return socket_.url(); }
+    std::string urls() const { return socket_.urls(); }
+    /// Takes other certificates, tokens, origins and limits of viewers. Throws InputError, and changes nothing, if they do not
+    /// fit.
+    void reload(const SocketAccess& access) { socket_.reload(access); }
     int port() const { return socket_.port(); }
 
 private:

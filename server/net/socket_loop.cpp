@@ -83,6 +83,7 @@ SocketLoop::SocketLoop(SocketOptions options, SocketHandler& handler)
       listeners_(listenOnAll(options_)),
       epoll_(epoll_create1(EPOLL_CLOEXEC)) {
     if (epoll_ < 0) throw std::system_error(errno, std::generic_category(), "epoll");
+    checkReach(access_);
     checkDescriptors();
     watch(waker_->descriptor(), TAG_WAKER, EPOLLIN);
     listenAgain();
@@ -91,6 +92,16 @@ SocketLoop::SocketLoop(SocketOptions options, SocketHandler& handler)
 SocketLoop::~SocketLoop() {
     while (!channels_.empty()) drop(channels_.begin()->first);
     ::close(epoll_);
+}
+
+/// Throws InputError where other machines could come in without a token.
+void SocketLoop::checkReach(const SocketAccess& access) const {
+    if (options_.insecure || !access.token.empty()) return;
+    for (const Listener& listener : listeners_) {
+        if (listener.local()) continue;
+        throw InputError("--listen", listener.address().text() + " can be reached from other machines",
+                         "that with --token-file FILE, or with --insecure to let everybody in; or 127.0.0.1");
+    }
 }
 
 void SocketLoop::checkDescriptors() {
@@ -120,6 +131,7 @@ void SocketLoop::stop() {
 void SocketLoop::reload(const SocketAccess& access) {
     if (access.certificateFile.empty() == secure_)
         throw InputError("--tls-cert", secure_ ? "missing" : "given", "TLS begins and ends with a restart alone");
+    checkReach(access);
     Reload reload{access, tlsOf(access)};
     {
         std::lock_guard lock(reloadMutex_);

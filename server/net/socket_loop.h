@@ -51,6 +51,7 @@ private:
     using Phase = Channel::Phase;
 
     // The loop.
+    void checkReach(const SocketAccess& access) const;
     void checkDescriptors();
     void watch(int descriptor, uint64_t tag, uint32_t events);
     void tryAccept(const Listener& listener);

@@ -32,6 +32,7 @@ struct SocketTimes {
 struct SocketOptions : SocketAccess {
     ListenAddress listen;
     std::vector<ListenAddress> moreListens;
+    bool insecure = false;                        // other machines need no token
     size_t maxGuests = MAX_GUESTS;                // viewers that have not said the token yet
     size_t spareConnections = SPARE_CONNECTIONS;  // beside the viewers
     size_t spareConnectionsPerAddress = SPARE_PER_ADDRESS;
