@@ -1,11 +1,13 @@
-# Writes a C++ file that holds SPIR-V modules as arrays of words.
+# Writes a C++ file that holds SPIR-V modules, packed by gzip: a third of their size.
 # cmake -DOUT=file.cpp -DMODULES="name=file.spv;..." -P embed_spirv.cmake
 set(text "// Made by cmake/embed_spirv.cmake.\n#include \"server/device/vulkan/core/shader_code.h\"\n\nnamespace heliograph::shaders {\n\n")
 foreach(module ${MODULES})
   string(REGEX REPLACE "=.*" "" name "${module}")
   string(REGEX REPLACE "^[^=]*=" "" file "${module}")
-  file(READ "${file}" hex HEX)
-  string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${hex}")
-  string(APPEND text "static const uint32_t ${name}Words[] = {${words}};\nextern const std::span<const uint32_t> ${name};\nconst std::span<const uint32_t> ${name}(${name}Words);\n\n")
+  file(SIZE "${file}" bytes)
+  execute_process(COMMAND gzip -9nc "${file}" OUTPUT_FILE "${file}.gz" COMMAND_ERROR_IS_FATAL ANY)
+  file(READ "${file}.gz" hex HEX)
+  string(REGEX REPLACE "(..)" "0x\\1," packed "${hex}")
+  string(APPEND text "static const unsigned char ${name}Packed[] = {${packed}};\nWords ${name}() {\n    static const std::vector<uint32_t> words = unpacked(${name}Packed, ${bytes});\n    return words;\n}\n\n")
 endforeach()
 file(WRITE "${OUT}" "${text}}  // namespace heliograph::shaders\n")

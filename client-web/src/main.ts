@@ -11,6 +11,7 @@ import { attachKeyboard, attachPointers } from './camera/input.js';
 import { Panel } from './panels/panel.js';
 import { PartitionView } from './panels/partition/partition_view.js';
 import { MIME_TYPES, type Frame } from './wire/frame.js';
+import { knowDevices } from './panels/device_colors.js';
 import { displayName, fileName } from './page/scene_name.js';
 import { SettingsPanel, storedResolutionMode } from './panels/settings/settings_panel.js';
 import { StatsPanel } from './panels/statistics/stats_panel.js';
@@ -56,6 +57,7 @@ function start(): void {
   const canvas = document.querySelector('canvas')!;
   const page = document.querySelector<HTMLElement>('#page')!;
   const viewer = new Viewer(canvas, storedResolutionMode());
+  viewer.on(['hello'], () => knowDevices(viewer.state.hello?.devices ?? []));
   exposeDiagnostics(viewer);
 
   const toasts = new Toasts();

@@ -310,7 +310,7 @@ export class Viewer {
   }
 
   private binary(buffer: ArrayBuffer): void {
-    const frame = parseFrame(buffer);
+    const frame = parseFrame(buffer, this.state.hello?.devices ?? []);
     this.stream.receivedRate.push(performance.now(), buffer.byteLength);
     if (frame.kind === 'frame') {
       // While the scene from before a reconnect is on its way, frames show the server's own: not what was looked at.

@@ -233,7 +233,8 @@ int runBenchDevices(const BenchOptions& options, std::ostream& out) {
         ProgressBar bar;
         bench.open(options, bar.progress());
         bounds.settings = bench.given.settings;
-        if (together) bounds.settings.set("device", "embree");  // of bare rays and shares; the others follow in hybrid
+        if (together)
+            bounds.settings.set("device", device_name::embree);  // of bare rays and shares; the others follow in hybrid
         bounds.camera = bench.camera;
         bounds.resolution = bench.resolution;
         std::unique_ptr<RawBench> raw = makeRawBench(bounds.settings);

@@ -85,54 +85,55 @@ std::unique_ptr<Device> makeForcedPair(std::string& why) {
     else if (std::thread::hardware_concurrency() < 2) why = "only one core";
     if (!why.empty()) return nullptr;
     DeviceOffer offer;
-    const std::string vulkan = "vulkan:" + std::to_string(cpu->index);
-    offer.words = offer.team = {"embree", vulkan};
+    const std::string vulkan = numberedDevice(device_name::vulkan, cpu->index);
+    offer.words = offer.team = {std::string(device_name::embree), vulkan};
     offer.words.push_back("hybrid");
     offer.nameOf = [](const Settings& settings) { return Settings::choiceWord("device", settings.device); };
     offer.make = [](const std::string& word) -> std::unique_ptr<Device> {
-        if (word == "embree") return makeEmbreeDevice();
+        if (word == device_name::embree) return makeEmbreeDevice();
         VulkanOptions pinned;
         pinned.lastCoreOnly = true;
-        return makeVulkanDevice(word.substr(7), pinned);
+        return makeVulkanDevice(word.substr(word.find(':') + 1), pinned);
     };
     return std::make_unique<CommandDevice>(std::move(offer), true);
 }
 
 DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     DeviceOffer offer;
-    offer.words = {"auto", "embree"};
+    const std::string embree(device_name::embree), vulkan(device_name::vulkan), raster(device_name::raster);
+    offer.words = {"auto", embree};
     const std::vector<PhysicalDevice> devices = usableVulkanDevices();
     const auto gpu = std::ranges::find_if(devices, isGpu);
-    std::string best = "vulkan";
+    std::string best = vulkan;
     if (!devices.empty()) {
-        best = "vulkan:" + std::to_string((gpu != devices.end() ? *gpu : devices.front()).index);
-        offer.words.push_back("vulkan");
+        best = numberedDevice(vulkan, (gpu != devices.end() ? *gpu : devices.front()).index);
+        offer.words.push_back(vulkan);
     }
     for (const PhysicalDevice& device : devices) {
-        std::string word = "vulkan:" + std::to_string(device.index);
+        std::string word = numberedDevice(vulkan, device.index);
         if (device.index < 4) offer.words.push_back(word);  // the setting's choices end there
     }
-    if (std::ranges::any_of(devices, &PhysicalDevice::graphics)) offer.words.push_back("raster");
+    if (std::ranges::any_of(devices, &PhysicalDevice::graphics)) offer.words.push_back(raster);
     for (const DeviceRow& row : deviceRows()) {
         const bool asksForVulkan = row.kind == DeviceKind::gpu || row.kind == DeviceKind::preview;
-        if (!asksForVulkan && row.name != "embree") offer.words.emplace_back(row.name);
+        if (!asksForVulkan && row.name != embree) offer.words.emplace_back(row.name);
     }
     offer.words.push_back("hybrid");
     auto asked = [&](const std::string& word) { return only.empty() || std::ranges::find(only, word) != only.end(); };
     const bool everything = asked("auto") || asked("hybrid");
     auto joins = [&](const std::string& word) {
-        if (everything || asked(word) || (word == best && asked("vulkan"))) offer.team.push_back(word);
+        if (everything || asked(word) || (word == best && asked(vulkan))) offer.team.push_back(word);
     };
-    joins("embree");
-    for (const PhysicalDevice& device : devices) joins("vulkan:" + std::to_string(device.index));
-    offer.spare = "embree";
-    std::string automatic = gpu != devices.end() ? best : "embree";
+    joins(embree);
+    for (const PhysicalDevice& device : devices) joins(numberedDevice(vulkan, device.index));
+    offer.spare = embree;
+    std::string automatic = gpu != devices.end() ? best : embree;
     for (const std::string& word : only) {
         if (std::ranges::find(offer.words, word) == offer.words.end())
             throw InputError("--devices", word + " is not here",
                              "a list of " + joined(offer.words) + " (see heliograph devices)");
     }
-    if (!only.empty() && only.front() != "auto") automatic = only.front() == "vulkan" ? best : only.front();
+    if (!only.empty() && only.front() != "auto") automatic = only.front() == vulkan ? best : only.front();
     if (std::ranges::find(only, "auto") == only.end() && !only.empty()) {
         offer.words = {"auto"};
         offer.words.insert(offer.words.end(), only.begin(), only.end());
@@ -140,7 +141,7 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     }
     offer.nameOf = [=](const Settings& settings) {
         std::string word = Settings::choiceWord("device", settings.device);
-        return word == "auto" ? automatic : word == "vulkan" ? best : word;
+        return word == "auto" ? automatic : word == vulkan ? best : word;
     };
     offer.make = makeNamed;
     return offer;
@@ -171,7 +172,7 @@ private:
 
 std::unique_ptr<RawBench> makeRawBench(const Settings& settings) {
     std::string word = Settings::choiceWord("device", settings.device);
-    if (word == "auto" || word == "embree") return std::make_unique<EmbreeRawBench>();
+    if (word == "auto" || word == device_name::embree) return std::make_unique<EmbreeRawBench>();
     return nullptr;
 }
 

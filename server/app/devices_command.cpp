@@ -28,8 +28,8 @@ nlohmann::ordered_json ownRow(const std::string& name) {
 }
 
 nlohmann::ordered_json vulkanRow(const PhysicalDevice& device) {
-    nlohmann::ordered_json row = {{"name", "vulkan:" + std::to_string(device.index)},
-                                  {"kind", "vulkan"},
+    nlohmann::ordered_json row = {{"name", numberedDevice(device_name::vulkan, device.index)},
+                                  {"kind", device_name::vulkan},
                                   {"details", device.name},
                                   {"type", device.type},
                                   {"driver", device.driver},
@@ -55,7 +55,7 @@ nlohmann::ordered_json deviceList() {
     }
     std::string why;
     for (const PhysicalDevice& device : listVulkanDevices(why)) list.push_back(vulkanRow(device));
-    if (!why.empty()) list.push_back({{"name", "vulkan"}, {"kind", "vulkan"}, {"refused", why}});
+    if (!why.empty()) list.push_back({{"name", device_name::vulkan}, {"kind", device_name::vulkan}, {"refused", why}});
     return list;
 }
 

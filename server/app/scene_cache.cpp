@@ -19,8 +19,13 @@ constexpr double OPENING_SHARE = 0.7;  // of the progress; the rest is the devic
 
 }  // namespace
 
-SceneCache::SceneCache(Opener opener, DeviceFactory makeDevice, Settings settings, size_t keep, size_t most)
-    : opener_(std::move(opener)), makeDevice_(std::move(makeDevice)), settings_(settings), keep_(keep), most_(most) {
+SceneCache::SceneCache(Opener opener, DeviceFactory makeDevice, Settings settings, Ended ended, size_t keep, size_t most)
+    : opener_(std::move(opener)),
+      makeDevice_(std::move(makeDevice)),
+      settings_(settings),
+      ended_(std::move(ended)),
+      keep_(keep),
+      most_(most) {
     thread_ = std::thread([this] { run(); });
 }
 
@@ -82,6 +87,11 @@ void SceneCache::checkRoom() const {
                      "one of theirs, or later");
 }
 
+size_t SceneCache::loadCount() const {
+    std::lock_guard lock(mutex_);
+    return loads_.size();
+}
+
 size_t SceneCache::residentCount() const {
     std::lock_guard lock(mutex_);
     return residents_.size();
@@ -127,6 +137,7 @@ void SceneCache::load(const std::string& name) {
         loads_.pop_front();
         if (scene) residents_.push_back({name, scene, ++uses_});
     }
+    ended_(scene ? "ready" : failure.empty() ? "abandoned" : "failed");
     for (const auto& ticket : tickets) {
         if (scene) ticket->listener.ready(scene);
         else if (!failure.empty()) ticket->listener.failed(failure, error);

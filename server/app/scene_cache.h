@@ -9,11 +9,15 @@ namespace heliograph {
 class SceneCache {
 public:
     using Opener = std::function<std::shared_ptr<const Scene>(const std::string& name, const Progress& progress)>;
+    using Ended = std::function<void(const char* outcome)>;
     using DeviceFactory = std::function<std::unique_ptr<Device>()>;
 
     /// `settings` for the devices' load. At most `keep` scenes stay where they are not looked at; with `most` in use or on
     /// their way a further one is refused.
-    SceneCache(Opener opener, DeviceFactory makeDevice, Settings settings, size_t keep = 3, size_t most = 8);
+    /// `ended` is told of each load: ready, failed or abandoned.
+    SceneCache(
+        Opener opener, DeviceFactory makeDevice, Settings settings, Ended ended = [](const char*) {}, size_t keep = 3,
+        size_t most = 8);
     /// Gives up the load in progress, at its next report of progress.
     ~SceneCache();
 
@@ -22,6 +26,8 @@ public:
     /// all its tickets are gone. Throws InputError when `most` scenes are in use.
     std::shared_ptr<void> open(const std::string& name, SceneListener listener);
     size_t residentCount() const;
+    /// Loads in progress or waiting.
+    size_t loadCount() const;
     /// Gives up the load in progress and takes no more.
     void stop();
 
@@ -53,6 +59,7 @@ private:
     const Opener opener_;
     const DeviceFactory makeDevice_;
     const Settings settings_;
+    const Ended ended_;
     const size_t keep_, most_;
 
     mutable std::mutex mutex_;

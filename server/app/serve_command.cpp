@@ -7,6 +7,7 @@
 #include "server/base/log.h"
 #include "server/base/text.h"
 #include "server/operations/configuration.h"
+#include "server/operations/memory.h"
 #include "server/operations/notify.h"
 #include "server/operations/signals.h"
 #include "server/operations/socket_options.h"
@@ -120,6 +121,8 @@ public:
             if (event == Event::end) return;
             if (event == Event::sceneDone) sceneDone(name);
             lookAround();
+            if (trim_.due(std::chrono::steady_clock::now(), service_.leftCount()))
+                log().debug("{} MiB were given back to the system", returnFreeMemory() >> 20);
         }
     }
 
@@ -167,9 +170,11 @@ private:
     std::mutex mutex_;
     std::exception_ptr failure_;
     std::vector<std::string> stuck_;
+    TrimClock trim_;
 };
 
 int serve(const CommandLine& line, const CLI::App& command) {
+    setUpAllocator();
     const Signals signals;  // first: a signal that comes early waits
     const Configuration configured = configuration(line, command);
     const ServeOptions& options = configured.options;

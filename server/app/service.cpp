@@ -1,7 +1,7 @@
 #include "server/app/service.h"
 
 #include "server/base/log.h"
-#include "server/base/machine.h"
+#include "server/operations/metrics_text.h"
 
 #include <algorithm>
 
@@ -21,10 +21,14 @@ Service::Service(ServiceOptions options)
           options_.openScene,
           [this] {
               DeviceSwitchOptions switching;
-              switching.notice = [this](const std::string& what) { tellEverybody(what); };
+              switching.notice = [this](const std::string& device, const std::string& what) { deviceFailed(device, what); };
               return makeDeviceSwitch(options_.devices, scheduler_, std::move(switching));
           },
-          options_.defaults),
+          options_.defaults,
+          [this](const char* outcome) {
+              metrics_.loads.add(outcome);
+              left_++;
+          }),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }),
       reaper_([this](std::stop_token stop) { reap(stop); }) {}
@@ -82,7 +86,7 @@ bool Service::drained() const {
     return std::ranges::all_of(sessions, [](const auto& session) { return session->settled(); });
 }
 
-SocketHandler::Readiness Service::readiness() {
+std::optional<NotReady> Service::unready() const {
     ReadinessFacts facts;
     facts.ending = ending_;
     facts.scene = options_.scenes.front().name;
@@ -94,7 +98,11 @@ SocketHandler::Readiness Service::readiness() {
         facts.sceneFailure = startFailure_;
         facts.viewers = sessions_.size();
     }
-    const std::optional<NotReady> state = notReady(facts);
+    return notReady(facts);
+}
+
+SocketHandler::Readiness Service::readiness() {
+    const std::optional<NotReady> state = unready();
     return {!state, readinessJson(state)};
 }
 
@@ -141,15 +149,18 @@ std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket
         session = std::make_shared<Session>(++lastViewer_, host, std::move(socket), std::move(options));
         sessions_.push_back(session);
     }
-    log().debug("viewer {}: connected", session->viewer());
+    logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": connected", {{"viewer", session->viewer()}});
     session->begin();
     return session;
 }
 
-void Service::closed(std::shared_ptr<ViewerPeer> peer) {
+void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) {
     auto session = std::static_pointer_cast<Session>(std::move(peer));
     session->end();
-    log().debug("viewer {}: gone", session->viewer());
+    const std::string reason = closeReason(code);
+    metrics_.closes.add(reason);
+    logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": gone (" + reason + ")",
+            {{"viewer", session->viewer()}, {"reason", reason}, {"code", code ? static_cast<int>(*code) : 0}});
     {
         std::lock_guard lock(mutex_);
         std::erase(sessions_, session);
@@ -159,12 +170,32 @@ void Service::closed(std::shared_ptr<ViewerPeer> peer) {
     someEnded_.notify_all();
 }
 
-void Service::refused(const std::string& why) {
-    metrics_.connectionsRefused++;
-    log().debug("connection refused: {}", why);
+void Service::refused(unsigned status, const std::string& why) {
+    const std::string reason = refusalReason(status);
+    metrics_.refusals.add(reason);
+    logWith(LogLevel::debug, "connection refused: " + why, {{"status", status}, {"reason", reason}});
 }
 
-std::string Service::metricsText() { return metrics_.text(viewerCount(), cache_.residentCount(), residentBytes()); }
+std::string Service::metricsText() {
+    ServerState state;
+    readProcess(state);
+    state.ready = !unready();
+    state.mostViewers = options_.socket.maxViewers;
+    state.mostFilmPixels = options_.pixelLimit;
+    state.residentScenes = cache_.residentCount();
+    state.loadsWaiting = cache_.loadCount();
+    {
+        std::lock_guard lock(mutex_);
+        state.viewers = sessions_.size();
+        for (const auto& [viewer, pixels] : pixels_) state.filmPixels += pixels;
+    }
+    return heliograph::metricsText(metricFamilies(metrics_, state));
+}
+
+void Service::deviceFailed(const std::string& device, const std::string& what) {
+    metrics_.devices.change(device, [](DeviceCount& count) { count.setAside++; });
+    tellEverybody(what);
+}
 
 /// A device that is set aside is no fault of the viewers, but they should know why frames look or last different.
 void Service::tellEverybody(const std::string& what) {
@@ -202,6 +233,7 @@ void Service::reap(std::stop_token stop) {
         ended.swap(ended_);
         lock.unlock();
         if (ended.empty()) return;
+        left_ += ended.size();
     }
 }
 

@@ -39,6 +39,8 @@ public:
     bool drained() const;
     /// Parts that have not moved for as long as the option says.
     std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), options_.watchdog); }
+    /// Viewers that have gone and loads of scenes that are over: after each there is memory to give back.
+    uint64_t leftCount() const { return left_; }
     std::string url() const { return socket_.url(); }
     std::string urls() const { return socket_.urls(); }
     /// Takes other certificates, tokens, origins and limits of viewers. Throws InputError, and changes nothing, if they do not
@@ -57,8 +59,8 @@ private:
     Metrics& metrics() override { return metrics_; }
     // SocketHandler
     std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) override;
-    void closed(std::shared_ptr<ViewerPeer> peer) override;
-    void refused(const std::string& why) override;
+    void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) override;
+    void refused(unsigned status, const std::string& why) override;
     std::string metricsText() override;
     Readiness readiness() override;
     bool ending() override { return ending_; }
@@ -68,6 +70,8 @@ private:
 
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
+    void deviceFailed(const std::string& device, const std::string& what);
+    std::optional<NotReady> unready() const;
     void tellEverybody(const std::string& what);
 
     const ServiceOptions options_;
@@ -84,6 +88,7 @@ private:
     std::string startFailure_;
 
     std::atomic<bool> ending_{false};
+    std::atomic<uint64_t> left_{0};  // viewers and loads that are over
     Liveness liveness_;
     Liveness::Part& socketPart_ = liveness_.add("socket");
     Liveness::Part& attendantPart_ = liveness_.add("attendant");

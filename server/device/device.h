@@ -2,6 +2,7 @@
 // A renderer of tiles. Every kind of worker is one: a CPU, a GPU, a node far away.
 
 #include "server/base/progress.h"
+#include "server/request/device_rows.h"
 #include "server/request/frame_request.h"
 #include "server/film/tile.h"
 
@@ -13,7 +14,7 @@
 namespace heliograph {
 
 struct DeviceInfo {
-    std::string name;      // "embree", "vulkan:0"
+    std::string name;      // of its row in the device table, "embree", "vulkan:0"
     std::string details;   // for people: processor, driver, packet width
     std::string silicon;   // devices with the same word share processors
     uint32_t workers = 1;  // tiles in work at once
@@ -24,6 +25,11 @@ struct DeviceInfo {
     double roundTrip = 0.0;       // seconds on the wire, there and back; 0 for a local device
     bool overlaps = false;        // one call of `render` keeps it busier than its streams do, while nobody else works
     bool stampsTiles = true;      // TileResult::seconds add up to the time of the stream; else only the call can be timed
+    /// As its row says; what the table doesn't have is a node of elsewhere.
+    DeviceKind kind() const {
+        const DeviceRow* row = deviceRow(name);
+        return row ? row->kind : DeviceKind::node;
+    }
 };
 
 /// How fast a device can begin on a kind of request that it has not rendered before.

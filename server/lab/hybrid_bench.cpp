@@ -67,8 +67,8 @@ Settings with(Settings settings, const std::string& device) {
 /// hybrid with nobody else. Only where the switches can tell the device from all others.
 bool only(const std::vector<std::string>& devices, const std::string& device, Settings& settings) {
     settings.set("device", "hybrid");
-    settings.enableEmbree = device == "embree";
-    settings.enableVulkan = device != "embree";
+    for (const DeviceRow& row : deviceRows())
+        if (row.takesPart) settings.*row.takesPart = &row == deviceRow(device);
     return std::ranges::count_if(devices, [&](const std::string& d) { return !switchedOff(d, settings); }) == 1;
 }
 

@@ -55,7 +55,7 @@ std::vector<SimulatedDevice> gpuAndCores() {
     std::vector<SimulatedDevice> devices = ladder(H100, 2, 1.0);
     devices.pop_back();
     SimulatedDevice cores;
-    cores.name = "embree";
+    cores.name = device_name::embree;
     cores.workers = 15;
     cores.rate = EMBREE_CORE_RATE;
     cores.batchSeconds = EMBREE_BATCH;

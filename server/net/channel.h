@@ -69,6 +69,7 @@ public:
     std::shared_ptr<Connection> connection;  // of a viewer
     std::string reason = "hung up";          // why it ends, for the log
     uint16_t closeCode = 0;                  // that was sent or came
+    bool theyClosed = false;                 // it came
     std::optional<Clock::time_point> closeAsked;
     uint64_t received = 0, sent = 0;  // bytes
 

@@ -51,6 +51,7 @@ public:
     void disconnect();
 
     std::shared_ptr<ViewerPeer> peer;
+    std::optional<CloseCode> closedWith;  // the code that the server gave; nothing while it is open and where the viewer leaves
 
 private:
     static constexpr size_t PIECE_BYTES = 256 * 1024;  // of a picture, so that nothing is copied whole

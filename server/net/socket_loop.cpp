@@ -227,7 +227,7 @@ void SocketLoop::acceptFrom(const Listener& listener) {
         bool reserved = false;
         if (!makeRoom(accepted.peer, reserved)) {
             ::close(accepted.descriptor);
-            handler_.refused("too many connections");
+            handler_.refused(503, "too many connections");
             continue;
         }
         const std::string address = accepted.peer.key;
@@ -429,7 +429,9 @@ void SocketLoop::drop(uint64_t id) {
     if (!channel->connection->peer) return;
     try {
         handler_.ended(channel->closeCode, channel->reason);
-        handler_.closed(std::exchange(channel->connection->peer, nullptr));
+        std::optional<CloseCode> code;
+        if (channel->closeCode != 0 && !channel->theyClosed) code = static_cast<CloseCode>(channel->closeCode);
+        handler_.closed(std::exchange(channel->connection->peer, nullptr), code);
     } catch (const std::exception& e) {
         log().error("connection of {}: {}", channel->peer.text, e.what());
     }

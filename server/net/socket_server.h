@@ -47,12 +47,12 @@ public:
     /// A viewer connected. `authorized`: it brought the token, where one is asked for; nobody comes here without. An exception
     /// (no thread, no memory) closes its connection with 1013.
     virtual std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) = 0;
-    /// It has gone; its socket takes nothing any more.
-    virtual void closed(std::shared_ptr<ViewerPeer> peer) = 0;
+    /// It has gone; its socket takes nothing any more. `code`: what the server closed with; nothing where the viewer left.
+    virtual void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) = 0;
     /// What its connection ended with: the code that was sent or came, 0 where there was none. Comes before `closed`.
     virtual void ended(uint16_t closeCode, const std::string& why) { (void)closeCode, (void)why; }
-    /// A connection was turned away.
-    virtual void refused(const std::string& why) = 0;
+    /// A connection was turned away with this HTTP status.
+    virtual void refused(unsigned status, const std::string& why) = 0;
     virtual std::string metricsText() = 0;
     struct Readiness {
         bool ready = false;

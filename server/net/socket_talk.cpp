@@ -98,7 +98,7 @@ void SocketLoop::request(Channel& channel, const HttpRequest& request) {
 /// Answers with what stands against it; the connection ends then.
 void SocketLoop::refuse(Channel& channel, HttpAnswer answer, bool withBody) {
     std::string why = answer.own.substr(0, answer.own.find('\n'));
-    handler_.refused(why);
+    handler_.refused(answer.status, why);
     channel.reason = std::to_string(answer.status) + " " + why;
     if (channel.due <= now_) note(channel, LogLevel::info, "refused: " + channel.reason);  // else it was told of already
     channel.answer(std::move(answer), false, withBody);
@@ -224,6 +224,7 @@ bool SocketLoop::takeControl(Channel& channel, const FrameReader::Piece& piece) 
         auto read = readClose(piece.bytes);
         auto* words = std::get_if<CloseWords>(&read);
         const uint16_t code = words ? words->code : std::get<FrameFault>(read).code;
+        channel.theyClosed = channel.closeCode == 0;
         channel.farewell(code == 1005 ? number(CloseCode::normal) : code, words ? "" : std::get<FrameFault>(read).why, now_);
         if (words) channel.reason = "left";
         return false;

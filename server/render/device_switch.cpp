@@ -205,7 +205,7 @@ private:
         std::string text = "device " + name + " was set aside: " + why + "; ";
         text += hasSpare(name) ? offer_.spare + " goes on" : "the others go on";
         log().warn("{}", text);
-        if (options_.notice) options_.notice(text);
+        if (options_.notice) options_.notice(name, text);
     }
 
     void renderAlone(const std::string& name, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,

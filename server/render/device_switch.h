@@ -9,7 +9,7 @@
 namespace heliograph {
 
 /// Tells people about a device that was set aside, in one line.
-using DeviceNotice = std::function<void(const std::string& what)>;
+using DeviceNotice = std::function<void(const std::string& device, const std::string& what)>;
 
 /// What there is to choose from. Safe from all threads.
 struct DeviceOffer {

@@ -17,7 +17,7 @@ constexpr std::string_view nameOr(std::string_view word) { return word == "none"
 
 constexpr DeviceRow ROWS[] = {
 #define DEVICE(name, bit, kind, side, words, onSwitch, standIn, make) \
-    {#name, bit, DeviceKind::kind, #kind, DeviceSide::side, switchOf(&Named::onSwitch), nameOr(#standIn)},
+    {#name, bit, DeviceKind::kind, #kind, DeviceSide::side, #side, words, switchOf(&Named::onSwitch), nameOr(#standIn)},
 #include "server/request/device_table.inc"
 };
 
@@ -35,6 +35,12 @@ const DeviceRow* deviceRow(std::string_view device) {
 uint32_t deviceBit(std::string_view device) {
     const DeviceRow* row = deviceRow(device);
     return 1u << (row ? row->bit : ELSEWHERE);
+}
+
+std::string numberedDevice(std::string_view row, uint32_t number) { return std::string(row) + ":" + std::to_string(number); }
+
+bool nobodyTakesPart(const Settings& settings) {
+    return std::ranges::none_of(ROWS, [&](const DeviceRow& row) { return row.takesPart && settings.*row.takesPart; });
 }
 
 bool switchedOff(std::string_view device, const Settings& settings) {

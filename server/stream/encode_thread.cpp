@@ -2,7 +2,7 @@
 
 namespace heliograph {
 
-EncodeThread::EncodeThread(Done done) : done_(std::move(done)), thread_([this] { run(); }) {}
+EncodeThread::EncodeThread(Done done) : encoded_(std::move(done)), thread_([this] { run(); }) {}
 
 void EncodeThread::finish() {
     jobs_.close();
@@ -26,7 +26,7 @@ void EncodeThread::run() {
         const uint32_t frameId = job->second.frameId;
         job.reset();  // the film is free for the next pass
         busy_.store(false, std::memory_order_release);
-        done_(frameId, std::move(encoded), failure);
+        encoded_(frameId, std::move(encoded), failure);
     }
 }
 

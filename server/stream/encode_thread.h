@@ -29,7 +29,7 @@ private:
     using Job = std::pair<FinishedFrame, FrameHeader>;
     void run();
 
-    Done done_;
+    Done encoded_;
     PictureMaker maker_;
     Mailbox<Job> jobs_;
     std::atomic<bool> busy_{false};

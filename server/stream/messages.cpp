@@ -1,5 +1,6 @@
 #include "server/stream/messages.h"
 
+#include "server/request/device_rows.h"
 #include "server/request/effect_rules.h"
 #include "server/base/version.h"
 
@@ -52,6 +53,14 @@ json partsJson(const ScheduleReport& report) {
     return parts;
 }
 
+/// The offered words of the setting `device` that mean a device of this row.
+std::vector<std::string> wordsOf(const DeviceRow& row, const std::vector<std::string>& offered) {
+    std::vector<std::string> words;
+    for (const std::string& word : offered)
+        if (deviceRow(word) == &row) words.push_back(word);
+    return words;
+}
+
 }  // namespace
 
 std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices) {
@@ -59,6 +68,13 @@ std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes
     for (json& row : schema) {
         if (row["name"] == "device") row["choices"] = devices;
     }
+    json kinds = json::array();
+    for (const DeviceRow& row : deviceRows())
+        kinds.push_back({{"name", row.name},
+                         {"words", wordsOf(row, devices)},
+                         {"kind", row.kindWord},
+                         {"side", row.sideWord},
+                         {"bit", row.bit}});
     json offered = json::array();
     for (const SceneRecipe& scene : scenes) offered.push_back({{"name", scene.name}, {"description", scene.description}});
     return text({{"type", "hello"},
@@ -66,6 +82,7 @@ std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes
                  {"server", programVersion()},
                  {"viewer", viewer},
                  {"schema", schema},
+                 {"devices", kinds},
                  {"scenes", offered},
                  {"maxUnacked", MAX_UNACKED}});
 }

@@ -1,13 +1,13 @@
 #pragma once
-// Counters of the whole server and their text for Prometheus (exposition format 0.0.4). Names carry base units; no label
-// names a viewer, so the number of series stays fixed.
+// Counters of the whole server. server/operations/metrics_text.h gives them their names.
 
 #include "server/film/tile.h"
 
 #include <array>
 #include <atomic>
 #include <cstdint>
-#include <span>
+#include <map>
+#include <mutex>
 #include <string>
 
 namespace heliograph {
@@ -19,13 +19,57 @@ public:
     static constexpr std::array<double, 13> BOUNDS = {0.001, 0.002, 0.005, 0.01, 0.02, 0.033, 0.05,
                                                       0.1,   0.2,   0.5,   1.0,  2.0,  5.0};
 
+    /// What is no time, or more than an hour, is left out.
     void add(double seconds);
-    /// Lines for `name` with `labels` ("stage=\"encode\"" or empty), without the type line.
-    void write(const std::string& name, const std::string& labels, std::string& text) const;
+    /// Durations up to each bound, and all of them.
+    std::array<uint64_t, BOUNDS.size() + 1> cumulative() const;
+    double sum() const { return sum_.load(std::memory_order_relaxed); }  // seconds
 
 private:
     std::array<std::atomic<uint64_t>, BOUNDS.size() + 1> counts_{};
     std::atomic<double> sum_{0.0};
+};
+
+/// Counts by a word; the words are few and ours, never a stranger's. Safe from all threads.
+class Tally {
+public:
+    void add(const std::string& word) {
+        std::lock_guard lock(mutex_);
+        counts_[word]++;
+    }
+    std::map<std::string, uint64_t> all() const {
+        std::lock_guard lock(mutex_);
+        return counts_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::map<std::string, uint64_t> counts_;
+};
+
+/// What the server counts of one device.
+struct DeviceCount {
+    uint64_t tiles = 0;    // of frames that were shown
+    double seconds = 0.0;  // of rendering frames that it took part in
+    uint64_t setAside = 0;
+};
+
+/// By name. Safe from all threads.
+class DeviceCounts {
+public:
+    template <typename Change>
+    void change(const std::string& device, Change change) {
+        std::lock_guard lock(mutex_);
+        change(counts_[device]);
+    }
+    std::map<std::string, DeviceCount> all() const {
+        std::lock_guard lock(mutex_);
+        return counts_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    std::map<std::string, DeviceCount> counts_;  // as many as there are devices
 };
 
 /// What the server counts. Fields may be raised from all threads.
@@ -33,14 +77,13 @@ struct Metrics {
     enum Stage { input, render, develop, encode, send, STAGES };
 
     std::atomic<uint64_t> framesSent{0}, frameBytesSent{0}, framesReplaced{0}, picturesSent{0};
-    std::atomic<uint64_t> messagesRefused{0}, connectionsRefused{0}, viewersStalled{0};
+    std::atomic<uint64_t> messagesRefused{0}, viewersStalled{0};
+    Tally closes, refusals, loads;  // by reason, by reason, by outcome
     std::atomic<uint64_t> nonfiniteSamples{0};
     std::array<std::atomic<uint64_t>, static_cast<size_t>(RayKind::count)> rays{};
     std::array<Histogram, STAGES> stages;
     Histogram motionToPhoton;
-
-    /// The whole text. `viewers` connected, `scenes` resident, `bytes` of the process in memory.
-    std::string text(size_t viewers, size_t scenes, uint64_t bytes) const;
+    DeviceCounts devices;
 };
 
 }  // namespace heliograph

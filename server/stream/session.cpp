@@ -121,7 +121,7 @@ void Session::handle(const SettingsMessage& message) {
         for (const std::string& word : devices) words += (words.empty() ? "one of " : " ") + word;
         throw InputError("settings.device", device + " is not here", words);
     }
-    if (settings.device == Settings::choice("device", "hybrid") && !settings.enableEmbree && !settings.enableVulkan) {
+    if (settings.device == Settings::choice("device", "hybrid") && nobodyTakesPart(settings)) {
         throw InputError("settings.enableEmbree, settings.enableVulkan", "false, false",
                          "true for one of them at least with device hybrid");
     }
@@ -177,7 +177,7 @@ void Session::handle(const PingMessage& message) { viewer_.say(pongMessage(messa
 void Session::handle(const TokenMessage& message) {
     if (authorized_) return;  // none is needed, or it was given before
     if (!sameSecret(message.token, options_.token)) {
-        metrics_.connectionsRefused++;
+        metrics_.refusals.add("token");
         log().warn("viewer {}: wrong token", viewer_.number());
         viewer_.close(CloseCode::unauthorized, "wrong token");
         return;
@@ -307,10 +307,24 @@ void Session::sceneFailed(uint64_t order, const std::string& why) {
     viewer_.say(sceneFailedMessage(orderedName_, why));
 }
 
+namespace {
+
+void countDevices(const PassFigures& figures, DeviceCounts& counts) {
+    for (const auto& [device, tiles] : figures.tiles) {
+        counts.change(device, [&, tiles = tiles](DeviceCount& count) {
+            count.tiles += tiles;
+            count.seconds += figures.renderSeconds;
+        });
+    }
+}
+
+}  // namespace
+
 void Session::take(FinishedFrame&& frame) {
     if (!frame.picture) metrics_.stages[Metrics::render].add(frame.figures.lastPassSeconds);
     metrics_.nonfiniteSamples += frame.figures.nonfiniteSamples;
     for (size_t i = 0; i < metrics_.rays.size(); i++) metrics_.rays[i] += frame.figures.rays.by[i];
+    countDevices(frame.figures, metrics_.devices);
     const bool shown = !frame.picture;
     const uint32_t inputId = frame.view.inputId;
     viewer_.take(std::move(frame));

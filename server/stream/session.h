@@ -2,6 +2,7 @@
 // Joins one viewer and the view it looks at: newest request in, newest frame out. It checks what the viewer asks, keeps the
 // camera and the settings, and says what becomes of them. A fault of a viewer is answered to that viewer alone.
 
+#include "server/stream/frame_loop.h"
 #include "server/stream/messages.h"
 #include "server/stream/viewer.h"
 

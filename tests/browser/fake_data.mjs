@@ -35,10 +35,16 @@ function settingRow(kind, list) {
   return { ...row, type: kind.toLowerCase(), default: number(preset), ...range };
 }
 
+/** The kinds of devices of the real table, as `hello` has them. */
+export function deviceKinds() {
+  const text = readFileSync(join(kernel, '../../server/request/device_table.inc'), 'utf8');
+  const rows = [...text.matchAll(/^DEVICE\((\w+), (\d+), (\w+), (\w+), "(.*?)"/gm)];
+  return rows.map(([, name, bit, kind, side, words]) => ({ name, words: words.split('|'), kind, side, bit: Number(bit) }));
+}
+
 /** The rows of the real table, without those in `omit`. */
 export function schema(omit) {
-  const devices = readFileSync(join(kernel, '../../server/request/device_table.inc'), 'utf8');
-  const deviceWords = [...devices.matchAll(/^DEVICE\(.*?"(.*?)"/gm)].map((m) => m[1]);
+  const deviceWords = deviceKinds().flatMap((row) => row.words);
   const text = readFileSync(join(kernel, 'settings_table.glsl'), 'utf8').replace(
     ' DEVICE_WORDS,',
     ` "${['auto', ...deviceWords, 'hybrid'].join('|')}",`,

@@ -7,7 +7,7 @@ import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { dirname, extname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { effectCosts, effects, PARTS, partition, SCHEDULER, schema } from './fake_data.mjs';
+import { deviceKinds, effectCosts, effects, PARTS, partition, SCHEDULER, schema } from './fake_data.mjs';
 import { paint } from './fake_picture.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -60,6 +60,7 @@ class FakeViewer {
       server: '0.1.0-fake',
       viewer: 1,
       schema: SCHEMA,
+      devices: deviceKinds(),
       scenes: SCENES,
       maxUnacked: 2,
     });

@@ -1,5 +1,5 @@
 """What the scripts of tests/operations share: a server process, HTTP, a WebSocket viewer. Standard library only."""
-import base64, contextlib, json, os, signal, socket, ssl, struct, subprocess, sys, tempfile, time
+import base64, contextlib, json, os, shutil, signal, socket, ssl, struct, subprocess, sys, tempfile, time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PROGRAM = os.environ.get('HELIOGRAPH', os.path.join(ROOT, 'build/release/heliograph'))
@@ -18,6 +18,22 @@ def check(what, good, detail=''):
 def finish():
     print('%d checks, %d failed' % (len(checks), len(failures)))
     sys.exit(1 if failures else 0)
+
+
+def program(name):
+    """Its path: installed, or fetched by fetch.sh. Ends the script, well, where it is not here."""
+    fetched = [os.path.join(ROOT, 'out/operations/usr', folder, name) for folder in ('bin', 'sbin')]
+    found = shutil.which(name) or shutil.which(name, path='/usr/sbin') or next((f for f in fetched if os.access(f, os.X_OK)), None)
+    if not found:
+        print('not run: %s is not here (tests/operations/fetch.sh gets it)' % name)
+        finish()
+    return found
+
+
+def free_port():
+    with contextlib.closing(socket.socket()) as s:
+        s.bind(('127.0.0.1', 0))
+        return s.getsockname()[1]
 
 
 def until(condition, seconds=20.0):

@@ -1,5 +1,7 @@
 // The binary messages of docs/reference/protocol.md: a 64-byte header, little endian, and a picture.
 
+import type { DeviceKind } from './protocol.js';
+
 export const HEADER_BYTES = 64;
 
 /** Something from the server that does not follow the protocol. */
@@ -12,7 +14,6 @@ export const MIME_TYPES: Readonly<Record<Codec, string>> = {
   png: 'image/png',
   exr: 'image/x-exr',
 };
-const DEVICE_BITS: readonly string[] = ['embree', 'vulkan', 'raster', 'remote'];
 
 export interface Frame {
   readonly kind: 'frame' | 'picture';
@@ -35,12 +36,22 @@ export interface Frame {
   readonly encodeMs: number;
   readonly queueMs: number; // input to render start
   readonly sendMs: number; // encoded to written
-  readonly devices: readonly string[];
+  readonly devices: readonly string[]; // kinds that took part
   readonly payload: Uint8Array<ArrayBuffer>;
 }
 
-/** Reads a binary message. Throws ProtocolError naming field, found value and what is allowed. */
-export function parseFrame(buffer: ArrayBuffer): Frame {
+/** Names of the kinds of devices whose bits are set; bits that no kind has are one `other`. */
+export function deviceNames(bits: number, kinds: readonly DeviceKind[]): readonly string[] {
+  const known = kinds.filter(({ bit }) => (bits & (1 << bit)) !== 0);
+  const rest = known.reduce((left, { bit }) => left & ~(1 << bit), bits);
+  return [...known.map(({ name }) => name), ...(rest === 0 ? [] : ['other'])];
+}
+
+/**
+ * Reads a binary message. `kinds`: the devices that `hello` named. Throws ProtocolError naming field, found value and what
+ * is allowed.
+ */
+export function parseFrame(buffer: ArrayBuffer, kinds: readonly DeviceKind[]): Frame {
   if (buffer.byteLength < HEADER_BYTES) {
     throw new ProtocolError(`frame: ${buffer.byteLength} bytes, allowed: at least ${HEADER_BYTES}`);
   }
@@ -59,7 +70,6 @@ export function parseFrame(buffer: ArrayBuffer): Frame {
   }
   const flags = view.getUint8(6);
   const milliseconds = (offset: number): number => view.getUint32(offset, true) / 1000;
-  const deviceBits = view.getUint32(60, true);
   return {
     kind: kind === 1 ? 'frame' : 'picture',
     codec,
@@ -81,7 +91,7 @@ export function parseFrame(buffer: ArrayBuffer): Frame {
     encodeMs: milliseconds(44),
     queueMs: milliseconds(48),
     sendMs: milliseconds(52),
-    devices: DEVICE_BITS.filter((_, bit) => (deviceBits & (1 << bit)) !== 0),
+    devices: deviceNames(view.getUint32(60, true), kinds),
     payload: new Uint8Array(buffer, headerBytes, payloadBytes),
   };
 }

@@ -83,12 +83,22 @@ export interface SceneReady {
   readonly effects: readonly EffectReason[];
 }
 
+/** A kind of device that the server can have, a row of its table. */
+export interface DeviceKind {
+  readonly name: string; // of its devices, "vulkan" of "vulkan:0"
+  readonly words: readonly string[]; // of the setting `device` that this server offers for it
+  readonly kind: string; // processor, gpu, preview or node
+  readonly side: string; // of a manual balance: cpu or gpu
+  readonly bit: number; // in a frame's header
+}
+
 export interface Hello {
   readonly type: 'hello';
   readonly protocol: string;
   readonly server: string;
   readonly viewer: number;
   readonly schema: readonly SettingRow[];
+  readonly devices: readonly DeviceKind[];
   readonly scenes: readonly SceneEntry[];
   readonly maxUnacked: number;
 }
@@ -216,6 +226,17 @@ function settingRowOf(value: unknown): SettingRow {
   };
 }
 
+function deviceKindOf(entry: unknown): DeviceKind {
+  const row = fieldsOf(entry);
+  return {
+    name: textOf(row['name']),
+    words: listOf(row['words']).map((word) => textOf(word)),
+    kind: textOf(row['kind']),
+    side: textOf(row['side']),
+    bit: numberOf(row['bit']),
+  };
+}
+
 function helloOf(fields: Fields): Hello {
   return {
     type: 'hello',
@@ -223,6 +244,7 @@ function helloOf(fields: Fields): Hello {
     server: textOf(fields['server']),
     viewer: numberOf(fields['viewer']),
     schema: listOf(fields['schema']).map(settingRowOf),
+    devices: listOf(fields['devices']).map(deviceKindOf),
     scenes: listOf(fields['scenes']).map((entry) => {
       const scene = fieldsOf(entry);
       return { name: textOf(scene['name']), description: textOf(scene['description']) };

@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { deviceColor, rgbOf } from '../../src/panels/device_colors.js';
+import { deviceColor, kindOf, knowDevices, rgbOf } from '../../src/panels/device_colors.js';
 import { ProtocolError } from '../../src/wire/frame.js';
 import { borderLines, describePartition, PartitionStore, pixelShares } from '../../src/panels/partition/partition.js';
 import { NOBODY, type Partition, type Timeline, type Track } from '../../src/wire/partition_message.js';
@@ -255,7 +255,14 @@ function seenLab(rgb: readonly number[], vision: readonly [number, number] | nul
   return [116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)];
 }
 
+const DEVICE_KINDS = [
+  { name: 'embree', words: ['embree'], kind: 'processor', side: 'cpu', bit: 0 },
+  { name: 'vulkan', words: ['vulkan', 'vulkan:0'], kind: 'gpu', side: 'gpu', bit: 1 },
+  { name: 'grey', words: ['grey'], kind: 'processor', side: 'cpu', bit: 4 },
+];
+
 test('deviceColor: steady, and told apart also without green or red cones', () => {
+  knowDevices(DEVICE_KINDS);
   const names = ['embree', 'vulkan:0', 'vulkan:1', 'vulkan:2', 'node-a', 'node-b', 'node-c', 'node-d'];
   const colors = names.map(deviceColor);
   assert.deepEqual(names.map(deviceColor), colors);
@@ -270,4 +277,15 @@ test('deviceColor: steady, and told apart also without green or red cones', () =
       }
     }
   }
+});
+
+test('deviceColor: follows the kinds that the server tells of, not names', () => {
+  knowDevices([{ name: 'cores', words: ['cores'], kind: 'processor', side: 'cpu', bit: 7 }]);
+  assert.equal(deviceColor('cores'), '#4f9cff');
+  assert.notEqual(deviceColor('embree'), '#4f9cff');
+  knowDevices(DEVICE_KINDS);
+  assert.equal(kindOf('vulkan:3')?.kind, 'gpu');
+  assert.equal(kindOf('vulkanish'), undefined);
+  assert.equal(kindOf('hybrid'), undefined);
+  assert.notEqual(deviceColor('grey'), deviceColor('embree'));
 });

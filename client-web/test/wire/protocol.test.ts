@@ -1,7 +1,19 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { HEADER_BYTES, parseFrame, ProtocolError } from '../../src/wire/frame.js';
+import { deviceNames, HEADER_BYTES, parseFrame, ProtocolError } from '../../src/wire/frame.js';
 import { parseMessage } from '../../src/wire/protocol.js';
+
+const DEVICE_KINDS = [
+  { name: 'embree', words: ['embree'], kind: 'processor', side: 'cpu', bit: 0 },
+  { name: 'raster', words: ['raster'], kind: 'preview', side: 'gpu', bit: 2 },
+];
+
+test('deviceNames: the kinds that hello named, and one `other` for all the rest', () => {
+  assert.deepEqual(deviceNames(0, DEVICE_KINDS), []);
+  assert.deepEqual(deviceNames(1 | 4, DEVICE_KINDS), ['embree', 'raster']);
+  assert.deepEqual(deviceNames(1 | 8 | 16, DEVICE_KINDS), ['embree', 'other']);
+  assert.deepEqual(deviceNames(1, []), ['other']);
+});
 
 /** A header as docs/reference/protocol.md lays it out, with distinct values in all fields. */
 function frameBytes(payload: readonly number[] = [0xff, 0xd8], headerBytes = HEADER_BYTES): ArrayBuffer {
@@ -31,7 +43,7 @@ function changed(offset: number, value: number): ArrayBuffer {
 }
 
 test('parseFrame: reads every field', () => {
-  const { payload, ...header } = parseFrame(frameBytes());
+  const { payload, ...header } = parseFrame(frameBytes(), DEVICE_KINDS);
   assert.deepEqual(header, {
     kind: 'frame',
     codec: 'jpeg',
@@ -59,7 +71,7 @@ test('parseFrame: reads every field', () => {
 });
 
 test('parseFrame: skips what a longer header adds', () => {
-  assert.deepEqual([...parseFrame(frameBytes([1, 2, 3], 80)).payload], [1, 2, 3]);
+  assert.deepEqual([...parseFrame(frameBytes([1, 2, 3], 80), []).payload], [1, 2, 3]);
 });
 
 test('parseFrame: refuses what is not a frame', () => {
@@ -74,7 +86,7 @@ test('parseFrame: refuses what is not a frame', () => {
   ];
   for (const [word, buffer] of bad) {
     assert.throws(
-      () => parseFrame(buffer),
+      () => parseFrame(buffer, []),
       (error) => error instanceof ProtocolError && error.message.includes(word),
       word,
     );
@@ -84,12 +96,14 @@ test('parseFrame: refuses what is not a frame', () => {
 test('parseMessage: hello with its table; a choice\u2019s default may be a word or an index', () => {
   const row = { name: 'toneCurve', type: 'choice', label: 'Tone curve', choices: ['filmic', 'linear'] };
   for (const preset of ['linear', 1]) {
+    const schema = [{ ...row, default: preset }];
     const hello = parseMessage(
-      JSON.stringify({ type: 'hello', protocol: 'heliograph.v1', schema: [{ ...row, default: preset }] }),
+      JSON.stringify({ type: 'hello', protocol: 'heliograph.v1', schema, devices: DEVICE_KINDS }),
     );
     assert.ok(hello?.type === 'hello');
     assert.equal(hello.schema[0]?.default, 'linear');
     assert.equal(hello.maxUnacked, 2);
+    assert.deepEqual(hello.devices, DEVICE_KINDS);
   }
 });
 

@@ -62,7 +62,7 @@ public:
 
     DeviceInfo info() const override {
         DeviceInfo info;
-        info.name = "embree";
+        info.name = device_name::embree;
         info.details = "Embree " RTC_VERSION_STRING ", packets of " + std::to_string(width_) + ", shading built for x86-64-" +
                        tileProgramTable().instructionSet;
         for (const std::string& name : effectNames({tileProgramTable().leftOut})) info.details += ", without " + name;
@@ -138,7 +138,7 @@ private:
         for (size_t i; !stop.stop_requested() && (i = frame.next.fetch_add(1)) < tiles.size();) {
             TileResult result;
             result.tile = tiles[i];
-            result.device = "embree";
+            result.device = device_name::embree;
             double begin = threadSeconds();
             renderTile(program, frame.job, result);
             result.seconds = threadSeconds() - begin;

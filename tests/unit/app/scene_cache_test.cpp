@@ -1,6 +1,7 @@
 #include "server/app/scene_cache.h"
 
 #include "server/base/error.h"
+#include "tests/support/until.h"
 
 #include <gtest/gtest.h>
 
@@ -182,14 +183,15 @@ TEST(SceneCache, EndsInTheMiddleOfALoad) {
 
 TEST(SceneCache, KeepsTheScenesThatWereUsedLast) {
     Source source;
-    SceneCache cache(source.opener(), source.devices(), {}, 2, 8);
+    SceneCache cache(
+        source.opener(), source.devices(), {}, [](const char*) {}, 2, 8);
     auto look = [&](const std::string& name) {
         Told told;
         auto ticket = cache.open(name, told.listener());
         ASSERT_TRUE(told.untilReady()) << name;
     };
     for (const char* name : {"a", "b", "a", "c"}) look(name);
-    while (cache.residentCount() > 2) std::this_thread::yield();  // "b" goes after "c" was told
+    ASSERT_TRUE(test::until([&] { return cache.residentCount() <= 2; }));  // "b" goes after "c" was told
     EXPECT_EQ(source.opened, 3);
     look("a");
     EXPECT_EQ(source.opened, 3);
@@ -199,7 +201,8 @@ TEST(SceneCache, KeepsTheScenesThatWereUsedLast) {
 
 TEST(SceneCache, ScenesInUseStayAndTheirNumberIsLimited) {
     Source source;
-    SceneCache cache(source.opener(), source.devices(), {}, 1, 2);
+    SceneCache cache(
+        source.opener(), source.devices(), {}, [](const char*) {}, 1, 2);
     Told a, b, c;
     auto one = cache.open("a", a.listener());
     ASSERT_TRUE(a.untilReady());

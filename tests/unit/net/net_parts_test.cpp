@@ -2,7 +2,6 @@
 
 #include "server/base/error.h"
 #include "server/net/client_files.h"
-#include "server/stream/metrics.h"
 #include "server/net/origin.h"
 #include "server/net/rate_limit.h"
 #include "server/net/token.h"
@@ -138,39 +137,6 @@ TEST(RateLimit, LetsBurstsPassAndFillsAgain) {
     EXPECT_FALSE(limit.take(1.0, 100.12));
     EXPECT_TRUE(limit.take(3.0, 200.0));
     EXPECT_FALSE(limit.take(3.5, 300.0));
-}
-
-TEST(Metrics, HistogramsAreCumulative) {
-    Histogram h;
-    for (double s : {0.0005, 0.004, 0.004, 99.0}) h.add(s);
-    h.add(std::nan(""));
-    std::string text;
-    h.write("x", "", text);
-    EXPECT_NE(text.find("x_bucket{le=\"0.001\"} 1\n"), std::string::npos) << text;
-    EXPECT_NE(text.find("x_bucket{le=\"0.005\"} 3\n"), std::string::npos);
-    EXPECT_NE(text.find("x_bucket{le=\"5\"} 3\n"), std::string::npos);
-    EXPECT_NE(text.find("x_bucket{le=\"+Inf\"} 4\n"), std::string::npos);
-    EXPECT_NE(text.find("x_count 4\n"), std::string::npos);
-    EXPECT_NE(text.find("x_sum 99.0085\n"), std::string::npos);
-}
-
-TEST(Metrics, EverySampleHasAType) {
-    Metrics metrics;
-    metrics.framesSent = 3;
-    metrics.stages[Metrics::encode].add(0.01);
-    std::istringstream text(metrics.text(2, 1, 1000));
-    std::string line, typed;
-    int samples = 0;
-    while (std::getline(text, line)) {
-        if (line.starts_with("# TYPE ")) typed = line.substr(7, line.find(' ', 7) - 7);
-        if (line.starts_with("#")) continue;
-        EXPECT_TRUE(line.starts_with(typed)) << line;
-        samples++;
-    }
-    EXPECT_GT(samples, 30);
-    EXPECT_NE(metrics.text(2, 1, 1000).find("heliograph_viewers 2\n"), std::string::npos);
-    EXPECT_NE(metrics.text(2, 1, 1000).find("heliograph_frames_sent_total 3\n"), std::string::npos);
-    EXPECT_NE(metrics.text(2, 1, 1000).find("heliograph_frame_stage_seconds_count{stage=\"encode\"} 1\n"), std::string::npos);
 }
 
 }  // namespace

@@ -62,9 +62,9 @@ public:
         sockets.push_back(socket);
         return std::make_shared<Peer>(std::move(socket), static_cast<uint32_t>(opens));
     }
-    void closed(std::shared_ptr<ViewerPeer>) override { closes++; }
+    void closed(std::shared_ptr<ViewerPeer>, std::optional<CloseCode>) override { closes++; }
     void ended(uint16_t code, const std::string&) override { lastCode = code; }
-    void refused(const std::string&) override { refusals++; }
+    void refused(unsigned, const std::string&) override { refusals++; }
     std::string metricsText() override { return "metric 1\n"; }
     Readiness readiness() override { return {true, "{\"ready\":true}\n"}; }
     bool ending() override { return false; }

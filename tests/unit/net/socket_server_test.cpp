@@ -55,12 +55,16 @@ public:
         changed.notify_all();
         return peer = std::make_shared<EchoPeer>(std::move(socket));
     }
-    void closed(std::shared_ptr<ViewerPeer>) override {
+    void closed(std::shared_ptr<ViewerPeer>, std::optional<CloseCode> code) override {
         std::lock_guard lock(mutex);
         open--;
+        closedWith = code;
         changed.notify_all();
     }
-    void refused(const std::string&) override { refusals++; }
+    void refused(unsigned status, const std::string&) override {
+        refusals++;
+        refusedWith = status;
+    }
     std::string metricsText() override { return "metric 1\n"; }
     Readiness readiness() override { return {isReady, isReady ? "{\"ready\":true}" : "{\"ready\":false}"}; }
     bool ending() override { return isEnding; }
@@ -74,6 +78,8 @@ public:
     std::condition_variable changed;
     std::shared_ptr<EchoPeer> peer;
     int open = 0;
+    std::optional<CloseCode> closedWith;
+    std::atomic<unsigned> refusedWith{0};
     bool authorized = false;
     std::atomic<int> refusals{0};
     std::atomic<bool> isReady{false}, isEnding{false};
@@ -144,6 +150,25 @@ TEST(SocketServer, SaysHowItIs) {
     s.handler.isReady = true;
     EXPECT_EQ(WebClient(s.port()).get("/readyz").status, 200);
     EXPECT_EQ(WebClient(s.port()).get("/metrics").body, "metric 1\n");
+}
+
+TEST(SocketServer, TellsHowAViewerWasLost) {
+    Server s;
+    {
+        WebClient leaves(s.port());
+        leaves.upgrade(OURS);
+        ASSERT_TRUE(s.handler.untilOpen(1));
+    }
+    ASSERT_TRUE(s.handler.untilOpen(0));
+    EXPECT_FALSE(s.handler.closedWith);
+    WebClient talks(s.port());
+    talks.upgrade(OURS);
+    ASSERT_TRUE(s.handler.untilOpen(1));
+    talks.sendText(std::string(70'000, 'x'));
+    ASSERT_TRUE(s.handler.untilOpen(0));
+    EXPECT_EQ(s.handler.closedWith, CloseCode::messageTooBig);
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS, "/elsewhere").status, 404);
+    EXPECT_EQ(s.handler.refusedWith, 404u);
 }
 
 TEST(SocketServer, LetsNobodyInWhileItEnds) {

@@ -74,8 +74,8 @@ public:
         socket->sendPicture(std::move(picture));
         return std::make_shared<Peer>();
     }
-    void closed(std::shared_ptr<ViewerPeer>) override {}
-    void refused(const std::string&) override {}
+    void closed(std::shared_ptr<ViewerPeer>, std::optional<CloseCode>) override {}
+    void refused(unsigned, const std::string&) override {}
     std::string metricsText() override { return {}; }
     Readiness readiness() override { return {true, "{}"}; }
     bool ending() override { return false; }

@@ -139,7 +139,7 @@ struct Hybrid : ::testing::Test {
     };
     void make(bool patient) {
         DeviceSwitchOptions options;
-        options.notice = [this](const std::string& what) { notices.push_back(what); };
+        options.notice = [this](const std::string&, const std::string& what) { notices.push_back(what); };
         options.patient = patient;
         device = makeDeviceSwitch(offer, scheduler, std::move(options));
         device->load(std::make_shared<Scene>(), settings, {});
@@ -184,7 +184,7 @@ TEST_F(Hybrid, AViewerIsServedByThoseThatAreReadyMeanwhile) {
     EXPECT_EQ(stats.tiles.count("vulkan:0"), 0u);
     EXPECT_THAT(history->report.devices[1].part.reason, ::testing::HasSubstr("given the scene"));
     gpu.release();
-    while (gpu.calls == 0) render();
+    ASSERT_TRUE(test::until([&] { return render(), gpu.calls > 0; }));
     EXPECT_EQ(gpu.loads, 1u);
 }
 
@@ -345,7 +345,8 @@ TEST_F(Hybrid, WithoutThreadsDevicesAreMadeReadyByWhoAsks) {
     TileScheduler poor([](std::function<void()>) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
     });
-    device = makeDeviceSwitch(offer, poor, {.notice = [this](const std::string& what) { notices.push_back(what); }});
+    device = makeDeviceSwitch(offer, poor,
+                              {.notice = [this](const std::string&, const std::string& what) { notices.push_back(what); }});
     device->load(std::make_shared<Scene>(), settings, {});
     EXPECT_EQ(render().samples, 1u);
     EXPECT_EQ(render().samples, 1u);

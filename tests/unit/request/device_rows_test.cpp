@@ -48,6 +48,20 @@ TEST(DeviceRows, SettingsSwitchOffTheirOwnDeviceAlone) {
     EXPECT_TRUE(switchedOff("embree", settings));
 }
 
+TEST(DeviceRows, NobodyTakesPartWhenEverySwitchIsOff) {
+    Settings settings;
+    EXPECT_FALSE(nobodyTakesPart(settings));
+    settings.enableVulkan = false;
+    EXPECT_FALSE(nobodyTakesPart(settings));
+    settings.enableEmbree = false;
+    EXPECT_TRUE(nobodyTakesPart(settings));
+}
+
+TEST(DeviceRows, ANumberedDeviceIsOfItsRow) {
+    EXPECT_EQ(numberedDevice(device_name::vulkan, 2), "vulkan:2");
+    EXPECT_EQ(deviceRow(numberedDevice(device_name::vulkan, 2))->name, device_name::vulkan);
+}
+
 TEST(DeviceRows, TheSettingOffersTheirWords) {
     EXPECT_THAT(std::string(DEVICE_WORDS),
                 testing::StartsWith("auto|embree|vulkan|vulkan:0|vulkan:1|vulkan:2|vulkan:3|raster|"));

@@ -146,7 +146,7 @@ std::shared_ptr<ResidentScene> sceneOn(std::shared_ptr<Device> device, bool with
 }
 
 /// Input `id` looks from (id, 0, 0).
-ViewRequest wish(uint32_t id, uint32_t samples = 1) {
+ViewRequest inputFrom(uint32_t id, uint32_t samples = 1) {
     ViewRequest request;
     request.camera.position = vec3(static_cast<float>(id), 0.0f, 0.0f);
     request.resolution = {96, 64};
@@ -163,10 +163,10 @@ struct Stage {
     FrameLoop loop{turns, viewer};
 };
 
-TEST(FrameLoop, ShowsNothingBeforeASceneAndAWish) {
+TEST(FrameLoop, ShowsNothingBeforeASceneAndARequest) {
     Stage s;
-    s.loop.show(wish(1));
-    s.loop.playPath(true);  // ends at once: there is none. Until then the wish has been seen.
+    s.loop.show(inputFrom(1));
+    s.loop.playPath(true);  // ends at once: there is none. Until then the request has been seen.
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.runs.empty(); }));
     EXPECT_EQ(s.device->calls, 0);
     s.loop.setScene(sceneOn(s.device));
@@ -177,7 +177,7 @@ TEST(FrameLoop, ShowsNothingBeforeASceneAndAWish) {
 
 TEST(FrameLoop, AccumulatesUpToTheTargetAndThenRests) {
     Stage s;
-    s.loop.setScene(sceneOn(s.device), wish(3, 16));
+    s.loop.setScene(sceneOn(s.device), inputFrom(3, 16));
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
     EXPECT_EQ(s.viewer.frames.front().samples, 1u);
     EXPECT_EQ(s.viewer.frames.back().samples, 16u);
@@ -191,10 +191,10 @@ TEST(FrameLoop, AccumulatesUpToTheTargetAndThenRests) {
 
 TEST(FrameLoop, ANewerInputOfTheSameViewIsToldWithoutANewFilm) {
     Stage s;
-    s.loop.setScene(sceneOn(s.device), wish(3, 2));
+    s.loop.setScene(sceneOn(s.device), inputFrom(3, 2));
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
     int calls = s.device->calls;
-    ViewRequest brighter = wish(3, 2);
+    ViewRequest brighter = inputFrom(3, 2);
     brighter.inputId = 4;
     brighter.settings.exposure = 1.0f;
     s.loop.show(brighter);
@@ -208,9 +208,9 @@ TEST(FrameLoop, ANewerInputOfTheSameViewIsToldWithoutANewFilm) {
 TEST(FrameLoop, FinishesTheFirstPassWhileTheCameraMoves) {
     Stage s;
     s.device->hold(true);
-    s.loop.setScene(sceneOn(s.device), wish(1, 64));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1, 64));
     s.device->untilArrived();
-    for (uint32_t id = 2; id <= 9; id++) s.loop.show(wish(id, 64));
+    for (uint32_t id = 2; id <= 9; id++) s.loop.show(inputFrom(id, 64));
     s.device->hold(false);
     ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.size() >= 2 && s.viewer.frames.back().final; }));
     EXPECT_EQ(s.viewer.frames[0].view.inputId, 1u);  // finished although newer input was there
@@ -221,13 +221,13 @@ TEST(FrameLoop, FinishesTheFirstPassWhileTheCameraMoves) {
 TEST(FrameLoop, GivesUpARefinementAtOnce) {
     Stage s;
     s.viewer.credit = 1;
-    s.loop.setScene(sceneOn(s.device), wish(1, 1'000));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1, 1'000));
     ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.size() == 1; }));
     s.device->hold(true);
     s.device->untilArrived();  // inside a refinement pass, which would wait for ever
     int calls = s.device->calls;
     s.viewer.give(1'000'000, s.loop);
-    s.loop.show(wish(2, 1));
+    s.loop.show(inputFrom(2, 1));
     s.device->untilCalled(calls + 1);  // nothing but the cancel ends the pass that is held
     s.device->hold(false);
     ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 2; }));
@@ -237,9 +237,9 @@ TEST(FrameLoop, GivesUpARefinementAtOnce) {
 TEST(FrameLoop, ASettingCancelsTheFirstPassWithoutWaitingForIt) {
     Stage s;
     s.device->hold(true);
-    s.loop.setScene(sceneOn(s.device), wish(1));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1));
     s.device->untilArrived();
-    ViewRequest changed = wish(2);
+    ViewRequest changed = inputFrom(2);
     changed.settings.aoPower = 3.0f;
     s.loop.show(changed);
     s.device->untilCalled(2);  // nothing but the cancel ends the pass that is held
@@ -257,7 +257,7 @@ TEST(FrameLoop, AfterInputStopsTheLastFrameCarriesTheLastInput) {
         int inputs = 1 + static_cast<int>(random() % 12);
         ViewRequest last;
         for (int i = 0; i < inputs; i++) {
-            last = wish(++id, 1 + random() % 3);
+            last = inputFrom(++id, 1 + random() % 3);
             if (random() % 4 == 0) last.camera.position = vec3(0.0f);  // the same view again
             if (random() % 5 == 0) last.settings.aoPower = static_cast<float>(random() % 3);
             if (random() % 7 == 0) last.resolution = {16 + static_cast<uint32_t>(random() % 100), 40};
@@ -285,9 +285,9 @@ TEST(FrameLoop, AfterInputStopsTheLastFrameCarriesTheLastInput) {
 TEST(FrameLoop, WithoutCreditTheNewestWaitsAndComesWithTheNextCredit) {
     Stage s;
     s.viewer.credit = 0;
-    s.loop.setScene(sceneOn(s.device), wish(1));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1));
     for (uint32_t id = 2; id <= 200; id++) {
-        s.loop.show(wish(id));
+        s.loop.show(inputFrom(id));
         std::this_thread::yield();
     }
     EXPECT_TRUE(s.viewer.frames.empty());
@@ -299,9 +299,9 @@ TEST(FrameLoop, WithoutCreditTheNewestWaitsAndComesWithTheNextCredit) {
 TEST(FrameLoop, RendersTheNewSceneThroughItsOwnCamera) {
     Stage s;
     auto other = std::make_shared<PaintDevice>();
-    s.loop.setScene(sceneOn(s.device), wish(1, 64));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1, 64));
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty(); }));
-    s.loop.setScene(sceneOn(other), wish(7, 2));
+    s.loop.setScene(sceneOn(other), inputFrom(7, 2));
     ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 7 && s.viewer.frames.back().final; }));
     EXPECT_GT(other->calls, 0);
     EXPECT_EQ(s.viewer.colors.back(), vec4(7, 0, 0, 2));
@@ -309,7 +309,7 @@ TEST(FrameLoop, RendersTheNewSceneThroughItsOwnCamera) {
 
 TEST(FrameLoop, FliesAlongThePathAndReportsIt) {
     Stage s;
-    s.loop.setScene(sceneOn(s.device, true), wish(1, 4));
+    s.loop.setScene(sceneOn(s.device, true), inputFrom(1, 4));
     s.loop.playPath(true);
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.runs.empty() && s.viewer.frames.back().final; }));
     EXPECT_GT(s.viewer.runs[0].frames, 0u);
@@ -322,7 +322,7 @@ TEST(FrameLoop, FliesAlongThePathAndReportsIt) {
 
 TEST(FrameLoop, AFilmAtHalfScaleGivesAPictureAtFullScale) {
     Stage s;
-    ViewRequest half = wish(5, 3);
+    ViewRequest half = inputFrom(5, 3);
     half.settings.renderScale = 0.5f;
     s.loop.setScene(sceneOn(s.device), half);
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
@@ -335,7 +335,7 @@ TEST(FrameLoop, AFilmAtHalfScaleGivesAPictureAtFullScale) {
 
 TEST(FrameLoop, APictureComesAlsoWhileTheCameraMoves) {
     Stage s;
-    s.loop.setScene(sceneOn(s.device), wish(1, 64));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1, 64));
     s.loop.takePicture({1, PictureFormat::exr});
     uint32_t id = 1;
     auto has = [&] {
@@ -345,21 +345,21 @@ TEST(FrameLoop, APictureComesAlsoWhileTheCameraMoves) {
     };
     auto end = std::chrono::steady_clock::now() + PATIENCE;
     while (!has() && std::chrono::steady_clock::now() < end) {
-        s.loop.show(wish(++id, 64));
+        s.loop.show(inputFrom(++id, 64));
         std::this_thread::yield();
     }
     EXPECT_TRUE(has());
 }
 
-TEST(FrameLoop, ALostDeviceIsToldOnceAndTriedAgainWithTheNextWish) {
+TEST(FrameLoop, ALostDeviceIsToldOnceAndTriedAgainWithTheNextRequest) {
     Stage s;
     s.device->broken = true;
-    s.loop.setScene(sceneOn(s.device), wish(1));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1));
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.failures.empty(); }));
     s.loop.wake();
     EXPECT_EQ(s.viewer.failures[0], "device lost");
     s.device->broken = false;
-    s.loop.show(wish(2));
+    s.loop.show(inputFrom(2));
     ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty(); }));
     EXPECT_EQ(s.viewer.failures.size(), 1u);
 }
@@ -367,7 +367,7 @@ TEST(FrameLoop, ALostDeviceIsToldOnceAndTriedAgainWithTheNextWish) {
 TEST(FrameLoop, OfManyFocusRequestsTheNewestIsAnsweredAndNobodyWaits) {
     Stage s;
     s.device->depthHeld = true;
-    s.loop.setScene(sceneOn(s.device), wish(1));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1));
     auto ask = [&](uint32_t id) { s.loop.focus({{glm::dvec3(id, 0, 0), glm::dvec3(0, 0, -1)}, id}); };
     ask(1);
     {
@@ -389,7 +389,7 @@ TEST(FrameLoop, OfManyFocusRequestsTheNewestIsAnsweredAndNobodyWaits) {
 TEST(FrameLoop, FocusDoesNotWaitForARefinement) {
     Stage s;
     s.viewer.credit = 1;
-    s.loop.setScene(sceneOn(s.device), wish(1, 1'000));
+    s.loop.setScene(sceneOn(s.device), inputFrom(1, 1'000));
     ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.size() == 1; }));
     s.device->hold(true);
     s.device->untilArrived();  // inside a refinement pass, which would wait for ever
@@ -406,16 +406,16 @@ TEST(FrameLoop, WithoutMemoryForAFilmTheViewerIsToldAndKeepsTheLastPicture) {
                        if (resolution.x > 1000) throw std::bad_alloc();
                        film.reset(resolution, generation);
                    }));
-    loop.setScene(sceneOn(device), wish(1));
+    loop.setScene(sceneOn(device), inputFrom(1));
     ASSERT_TRUE(viewer.until([&] { return viewer.frames.size() == 1 && viewer.frames[0].final; }));
-    ViewRequest large = wish(2);
+    ViewRequest large = inputFrom(2);
     large.resolution = {7680, 4320};
     loop.show(large);
     ASSERT_TRUE(viewer.until([&] { return !viewer.failures.empty(); }));
     EXPECT_NE(viewer.failures[0].find("no memory for 7680 x 4320 pixels"), std::string::npos) << viewer.failures[0];
     EXPECT_EQ(viewer.frames.size(), 1u);
     loop.takePicture({1, PictureFormat::exr});  // of the same size: told again, and nothing ends
-    loop.show(wish(3));
+    loop.show(inputFrom(3));
     ASSERT_TRUE(viewer.until([&] { return viewer.frames.back().view.inputId == 3 && viewer.frames.back().final; }));
     EXPECT_EQ(viewer.colors.back(), vec4(3, 0, 0, 1));
 }
@@ -429,7 +429,7 @@ TEST(FrameLoop, WithoutMemoryForAPictureTheFilmGoesOn) {
                        if (resolution.x > 48) throw std::bad_alloc();
                        film.reset(resolution, generation);
                    }));
-    ViewRequest half = wish(1, 3);
+    ViewRequest half = inputFrom(1, 3);
     half.settings.renderScale = 0.5f;
     device->hold(true);
     loop.setScene(sceneOn(device), half);
@@ -449,7 +449,7 @@ TEST(FrameLoop, EndsInTheMiddleOfAPass) {
     {
         FrameLoop loop(turns, viewer);
         device->hold(true);
-        loop.setScene(sceneOn(device), wish(1, 64));
+        loop.setScene(sceneOn(device), inputFrom(1, 64));
         device->untilArrived();
     }
     EXPECT_TRUE(viewer.frames.empty());
@@ -466,7 +466,7 @@ TEST(FrameLoop, SeveralViewersShareTheDeviceFairly) {
         viewers.push_back(std::make_unique<Viewer>());
         loops.push_back(std::make_unique<FrameLoop>(turns, *viewers.back()));
     }
-    for (size_t i = 0; i < COUNT; i++) loops[i]->setScene(scene, wish(static_cast<uint32_t>(i + 1), 40));
+    for (size_t i = 0; i < COUNT; i++) loops[i]->setScene(scene, inputFrom(static_cast<uint32_t>(i + 1), 40));
     for (size_t i = 0; i < COUNT; i++) {
         Viewer& viewer = *viewers[i];
         ASSERT_TRUE(viewer.until([&] { return !viewer.frames.empty() && viewer.frames.back().final; })) << i;

@@ -1,6 +1,7 @@
 #include "server/stream/session.h"
 
 #include "server/base/error.h"
+#include "server/request/device_rows.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -157,6 +158,13 @@ TEST(Session, GreetsInOrder) {
     EXPECT_EQ(line.socket->texts[0]["type"], "hello");
     EXPECT_EQ(line.socket->texts[0]["protocol"], "heliograph.v1");
     EXPECT_EQ(line.socket->texts[0]["viewer"], 7);
+    // The devices of the table, with those words of the setting that are offered here.
+    const json devices = line.socket->texts[0]["devices"];
+    ASSERT_EQ(devices.size(), deviceRows().size());
+    for (size_t i = 0; i < devices.size(); i++) EXPECT_EQ(devices[i]["bit"], deviceRows()[i].bit);
+    EXPECT_EQ(devices[0],
+              json({{"name", "embree"}, {"words", {"embree"}}, {"kind", "processor"}, {"side", "cpu"}, {"bit", 0}}));
+    EXPECT_EQ(devices[1]["words"], json::array()) << "vulkan is not offered";
     EXPECT_EQ(line.socket->texts[0]["scenes"][1]["name"], "second");
     EXPECT_EQ(line.socket->texts[0]["maxUnacked"], 2);
     EXPECT_GT(line.socket->texts[0]["schema"].size(), 20u);

@@ -2,7 +2,7 @@
 
 import { BarList } from './bar_list.js';
 import { FrameChart } from './chart.js';
-import { deviceColor } from '../device_colors.js';
+import { deviceColor, kindOf } from '../device_colors.js';
 import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from '../../page/dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from '../../page/format.js';
@@ -140,7 +140,7 @@ export class StatsPanel {
     setText(this.delay_.detail, p95 === null ? 'move to measure' : `95 %: ${compact(p95, 0)} ms`);
     setText(this.rays_.value, stats === null ? UNKNOWN : compact(stats.mraysPerSecond));
     setText(this.rays_.detail, stats === null || stats.device === '' ? '\u00a0' : stats.device);
-    const known = stats !== null && /^(embree|vulkan)/.test(stats.device);
+    const known = stats !== null && kindOf(stats.device) !== undefined;
     this.rays_.detail.style.setProperty('color', known ? deviceColor(stats.device) : '');
   }
 

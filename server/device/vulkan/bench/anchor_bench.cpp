@@ -1,6 +1,7 @@
 #include "server/device/vulkan/bench/ray_bench.h"
 
 #include "server/device/vulkan/core/shader_code.h"
+#include "server/device/vulkan/core/vulkan_handle.h"
 #include "server/device/vulkan/bench/timed_run.h"
 
 #include <cstring>
@@ -30,6 +31,19 @@ struct AnchorCalls {
     }
 };
 
+/// An acceleration structure, destroyed by the extension's function.
+class OwnedStructure {
+public:
+    OwnedStructure(const AnchorCalls& call, VkDevice device) : call_(call), device_(device) {}
+    ~OwnedStructure() { call_.vkDestroyAccelerationStructureKHR(device_, handle, nullptr); }
+    OwnedStructure(const OwnedStructure&) = delete;
+    VkAccelerationStructureKHR handle = VK_NULL_HANDLE;
+
+private:
+    const AnchorCalls& call_;
+    VkDevice device_;
+};
+
 constexpr VkBufferUsageFlags ADDRESSED = VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
 constexpr VkBufferUsageFlags BUILD_INPUT = ADDRESSED | VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
 
@@ -50,17 +64,6 @@ public:
         for (uint32_t mode : {0u, 2u}) makePipeline(mode);
     }
 
-    ~AnchorBench() override {
-        VkDevice device = gpu_.handle();
-        for (int i = 0; i < 2; i++) vkDestroyPipeline(device, pipelines_[i], nullptr);
-        for (VkShaderModule module : modules_) vkDestroyShaderModule(device, module, nullptr);
-        vkDestroyPipelineLayout(device, layout_, nullptr);
-        vkDestroyDescriptorPool(device, pool_, nullptr);
-        vkDestroyDescriptorSetLayout(device, setLayout_, nullptr);
-        call_.vkDestroyAccelerationStructureKHR(device, top_, nullptr);
-        call_.vkDestroyAccelerationStructureKHR(device, bottom_, nullptr);
-    }
-
     std::vector<double> trace(std::span<const Ray> rays, bool anyHit, uint32_t repetitions, double warmUpSeconds,
                               std::vector<RayAnswer>& answers) override {
         GpuBuffer in = gpu_.filled(rays);
@@ -72,8 +75,9 @@ public:
         std::vector<double> seconds = timedRuns(
             gpu_,
             [&](VkCommandBuffer commands) {
-                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, pipelines_[which]);
-                vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, layout_, 0, 1, &set_, 0, nullptr);
+                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, pipelines_[which].get());
+                vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, layout_.get(), 0, 1, &set_, 0,
+                                        nullptr);
                 VkDeviceAddress table = tables_[which].address();
                 VkStridedDeviceAddressRegionKHR region[4] = {};
                 for (uint32_t i = 0; i < 3; i++) region[i] = {table + i * tableStride_, tableStride_, tableStride_};
@@ -131,7 +135,7 @@ private:
         triangles.maxVertex = vertexCount - 1;
         triangles.indexType = VK_INDEX_TYPE_UINT32;
         triangles.indexData.deviceAddress = indices_.address();
-        return build(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, geometry, triangleCount, bottom_, bottomStorage_);
+        return build(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, geometry, triangleCount, bottom_.handle, bottomStorage_);
     }
 
     void buildTop() {
@@ -140,14 +144,14 @@ private:
         instance.mask = 0xff;
         instance.flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
         VkAccelerationStructureDeviceAddressInfoKHR address{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
-        address.accelerationStructure = bottom_;
+        address.accelerationStructure = bottom_.handle;
         instance.accelerationStructureReference = call_.vkGetAccelerationStructureDeviceAddressKHR(gpu_.handle(), &address);
         instances_ = gpu_.filled(&instance, sizeof instance, BUILD_INPUT);
         VkAccelerationStructureGeometryKHR geometry{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
         geometry.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
         geometry.geometry.instances = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR};
         geometry.geometry.instances.data.deviceAddress = instances_.address();
-        build(VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, geometry, 1, top_, topStorage_);
+        build(VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, geometry, 1, top_.handle, topStorage_);
     }
 
     void makeLayouts() {
@@ -158,19 +162,20 @@ private:
         VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
         set.bindingCount = 3;
         set.pBindings = bindings;
-        check(vkCreateDescriptorSetLayout(gpu_.handle(), &set, nullptr, &setLayout_), "lay out descriptors");
+        check(vkCreateDescriptorSetLayout(gpu_.handle(), &set, nullptr, setLayout_.put(gpu_.handle())), "lay out descriptors");
         VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
         layout.setLayoutCount = 1;
-        layout.pSetLayouts = &setLayout_;
-        check(vkCreatePipelineLayout(gpu_.handle(), &layout, nullptr, &layout_), "lay out a pipeline");
+        const VkDescriptorSetLayout layouts[] = {setLayout_.get()};
+        layout.pSetLayouts = layouts;
+        check(vkCreatePipelineLayout(gpu_.handle(), &layout, nullptr, layout_.put(gpu_.handle())), "lay out a pipeline");
         VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1},
                                         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 2}};
         VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
         pool.maxSets = 1;
         pool.poolSizeCount = 2;
         pool.pPoolSizes = sizes;
-        check(vkCreateDescriptorPool(gpu_.handle(), &pool, nullptr, &pool_), "make a descriptor pool");
-        VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_, 1, &setLayout_};
+        check(vkCreateDescriptorPool(gpu_.handle(), &pool, nullptr, pool_.put(gpu_.handle())), "make a descriptor pool");
+        VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_.get(), 1, layouts};
         check(vkAllocateDescriptorSets(gpu_.handle(), &allocate, &set_), "make a descriptor set");
     }
 
@@ -179,19 +184,18 @@ private:
         VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
         info.codeSize = code.size_bytes();
         info.pCode = code.data();
-        VkShaderModule module;
-        check(vkCreateShaderModule(gpu_.handle(), &info, nullptr, &module), "take a shader");
-        modules_.push_back(module);
-        return {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, kind, module, "main", specialization};
+        OwnedShaderModule& module = modules_.emplace_back();
+        check(vkCreateShaderModule(gpu_.handle(), &info, nullptr, module.put(gpu_.handle())), "take a shader");
+        return {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, kind, module.get(), "main", specialization};
     }
 
     void makePipeline(uint32_t mode) {
         const VkSpecializationMapEntry entry{1, 0, 4};
         VkSpecializationInfo specialization{1, &entry, 4, &mode};
         VkPipelineShaderStageCreateInfo stages[] = {
-            stage(shaders::anchorGenerate, VK_SHADER_STAGE_RAYGEN_BIT_KHR, &specialization),
-            stage(shaders::anchorMiss, VK_SHADER_STAGE_MISS_BIT_KHR, nullptr),
-            stage(shaders::anchorHit, VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, nullptr)};
+            stage(shaders::anchorGenerate(), VK_SHADER_STAGE_RAYGEN_BIT_KHR, &specialization),
+            stage(shaders::anchorMiss(), VK_SHADER_STAGE_MISS_BIT_KHR, nullptr),
+            stage(shaders::anchorHit(), VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, nullptr)};
         VkRayTracingShaderGroupCreateInfoKHR groups[3];
         for (uint32_t i = 0; i < 3; i++) {
             groups[i] = {VK_STRUCTURE_TYPE_RAY_TRACING_SHADER_GROUP_CREATE_INFO_KHR};
@@ -206,10 +210,10 @@ private:
         info.pStages = stages;
         info.pGroups = groups;
         info.maxPipelineRayRecursionDepth = 1;
-        info.layout = layout_;
+        info.layout = layout_.get();
         int which = mode == 0 ? 0 : 1;
         check(call_.vkCreateRayTracingPipelinesKHR(gpu_.handle(), VK_NULL_HANDLE, VK_NULL_HANDLE, 1, &info, nullptr,
-                                                   &pipelines_[which]),
+                                                   pipelines_[which].put(gpu_.handle())),
               "compile the driver's ray tracing");
         VkPhysicalDeviceRayTracingPipelinePropertiesKHR rays{
             VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
@@ -218,9 +222,9 @@ private:
         uint32_t handle = rays.shaderGroupHandleSize;
         tableStride_ = std::max(rays.shaderGroupBaseAlignment, handle);
         std::vector<uint8_t> handles(3 * handle), table(3 * tableStride_);
-        check(
-            call_.vkGetRayTracingShaderGroupHandlesKHR(gpu_.handle(), pipelines_[which], 0, 3, handles.size(), handles.data()),
-            "name its shaders");
+        check(call_.vkGetRayTracingShaderGroupHandlesKHR(gpu_.handle(), pipelines_[which].get(), 0, 3, handles.size(),
+                                                         handles.data()),
+              "name its shaders");
         for (uint32_t i = 0; i < 3; i++) std::memcpy(&table[i * tableStride_], &handles[i * handle], handle);
         tables_[which] = gpu_.filled(table.data(), table.size(), VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR | ADDRESSED);
     }
@@ -228,7 +232,7 @@ private:
     void bind(const GpuBuffer& in, const GpuBuffer& out) {
         VkWriteDescriptorSetAccelerationStructureKHR world{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
         world.accelerationStructureCount = 1;
-        world.pAccelerationStructures = &top_;
+        world.pAccelerationStructures = &top_.handle;
         VkDescriptorBufferInfo infos[] = {{}, {in.handle(), 0, VK_WHOLE_SIZE}, {out.handle(), 0, VK_WHOLE_SIZE}};
         VkWriteDescriptorSet writes[3];
         for (uint32_t i = 0; i < 3; i++) {
@@ -246,13 +250,13 @@ private:
     Gpu& gpu_;
     AnchorCalls call_;
     GpuBuffer vertices_, indices_, instances_, bottomStorage_, topStorage_, tables_[2];
-    VkAccelerationStructureKHR bottom_ = VK_NULL_HANDLE, top_ = VK_NULL_HANDLE;
-    VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkDescriptorPool pool_ = VK_NULL_HANDLE;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
-    VkPipeline pipelines_[2] = {};
-    std::vector<VkShaderModule> modules_;
+    OwnedStructure bottom_{call_, gpu_.handle()}, top_{call_, gpu_.handle()};
+    OwnedDescriptorSetLayout setLayout_;
+    OwnedPipelineLayout layout_;
+    OwnedDescriptorPool pool_;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;  // the pool's
+    OwnedPipeline pipelines_[2];
+    std::vector<OwnedShaderModule> modules_;
     uint32_t tableStride_ = 0;
 };
 

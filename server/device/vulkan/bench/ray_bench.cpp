@@ -16,7 +16,7 @@ public:
     TracerBench(Gpu& gpu, const GpuScene& scene)
         : gpu_(gpu),
           scene_(scene),
-          pipelines_(gpu, scene.bvhWidth(), 1, scene.bvhWidth() == 4 ? shaders::raysWide4 : shaders::raysWide2) {}
+          pipelines_(gpu, scene.bvhWidth(), 1, scene.bvhWidth() == 4 ? shaders::raysWide4() : shaders::raysWide2()) {}
 
     std::vector<double> trace(std::span<const Ray> rays, bool anyHit, uint32_t repetitions, double warmUpSeconds,
                               std::vector<RayAnswer>& answers) override {

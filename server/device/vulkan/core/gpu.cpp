@@ -22,25 +22,23 @@ Gpu::Gpu(std::shared_ptr<VulkanContext> context, const PhysicalDevice& physical,
     limits_ = properties.limits;
     vkGetPhysicalDeviceMemoryProperties(physical_.handle, &memory_);
     openDevice(features);
-    vkGetDeviceQueue(device_, physical_.queueFamily, 0, &queue_);
+    vkGetDeviceQueue(handle(), physical_.queueFamily, 0, &queue_);
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
     pool.queueFamilyIndex = physical_.queueFamily;
-    check(vkCreateCommandPool(device_, &pool, nullptr, &pool_), "make a command pool");
+    check(vkCreateCommandPool(handle(), &pool, nullptr, pool_.put(handle())), "make a command pool");
     VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
     type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
     VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, &type};
-    check(vkCreateSemaphore(device_, &semaphore, nullptr, &timeline_), "make a timeline");
-    pipelineCache_ = std::make_unique<PipelineCache>(device_, physical_);
+    check(vkCreateSemaphore(handle(), &semaphore, nullptr, timeline_.put(handle())), "make a timeline");
+    pipelineCache_ = std::make_unique<PipelineCache>(handle(), physical_);
 }
 
-Gpu::~Gpu() {
-    vkDeviceWaitIdle(device_);
-    pipelineCache_.reset();
-    vkDestroySemaphore(device_, timeline_, nullptr);
-    vkDestroyCommandPool(device_, pool_, nullptr);
-    vkDestroyDevice(device_, nullptr);
+Gpu::Opened::~Opened() {
+    if (handle != VK_NULL_HANDLE) vkDestroyDevice(handle, nullptr);
 }
+
+Gpu::~Gpu() { vkDeviceWaitIdle(handle()); }
 
 void Gpu::openDevice(GpuFeatures wanted) {
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -68,7 +66,7 @@ void Gpu::openDevice(GpuFeatures wanted) {
         info.enabledExtensionCount = 3;
         info.ppEnabledExtensionNames = extensions;
     }
-    check(vkCreateDevice(physical_.handle, &info, nullptr, &device_), "open " + physical_.name);
+    check(vkCreateDevice(physical_.handle, &info, nullptr, &device_.handle), "open " + physical_.name);
 }
 
 GpuBuffer Gpu::filled(const void* content, uint64_t bytes, VkBufferUsageFlags usage) {
@@ -118,39 +116,64 @@ void Gpu::reserve(uint64_t bytes) {
     allocated_ += bytes;
 }
 
-VkDeviceMemory Gpu::allocateFor(VkImage image) {
+GpuMemory Gpu::allocateFor(VkImage image) {
     VkMemoryRequirements needs;
-    vkGetImageMemoryRequirements(device_, image, &needs);
-    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    info.allocationSize = needs.size;
-    info.memoryTypeIndex = memoryType(needs.memoryTypeBits, Memory::device);
-    VkDeviceMemory memory;
-    check(vkAllocateMemory(device_, &info, nullptr, &memory), "allocate " + std::to_string(needs.size) + " bytes for an image");
-    check(vkBindImageMemory(device_, image, memory, 0), "bind memory");
+    vkGetImageMemoryRequirements(handle(), image, &needs);
+    GpuMemory memory(*this, needs.size, memoryType(needs.memoryTypeBits, Memory::device));
+    check(vkBindImageMemory(handle(), image, memory.handle(), 0), "bind memory");
     return memory;
+}
+
+GpuMemory::GpuMemory(Gpu& gpu, uint64_t bytes, uint32_t type) {
+    VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    info.allocationSize = bytes;
+    info.memoryTypeIndex = type;
+    gpu.reserve(bytes);
+    const VkResult result = vkAllocateMemory(gpu.handle(), &info, nullptr, &memory_);
+    if (result != VK_SUCCESS) gpu.allocated_ -= bytes;
+    check(result, "allocate " + std::to_string(bytes) + " bytes for an image");
+    gpu_ = &gpu;
+    bytes_ = bytes;
+}
+
+GpuMemory::~GpuMemory() {
+    if (!gpu_) return;
+    vkFreeMemory(gpu_->handle(), memory_, nullptr);
+    gpu_->allocated_ -= bytes_;
+}
+
+GpuMemory& GpuMemory::operator=(GpuMemory&& other) noexcept {
+    std::swap(gpu_, other.gpu_);
+    std::swap(memory_, other.memory_);
+    std::swap(bytes_, other.bytes_);
+    return *this;
 }
 
 VkCommandBuffer Gpu::newCommands() {
     VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-    info.commandPool = pool_;
+    info.commandPool = pool_.get();
     info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     info.commandBufferCount = 1;
     VkCommandBuffer commands;
-    check(vkAllocateCommandBuffers(device_, &info, &commands), "make a command buffer");
+    check(vkAllocateCommandBuffers(handle(), &info, &commands), "make a command buffer");
     return commands;
 }
 
-void Gpu::freeCommands(VkCommandBuffer commands) { vkFreeCommandBuffers(device_, pool_, 1, &commands); }
+void Gpu::freeCommands(VkCommandBuffer commands) { vkFreeCommandBuffers(handle(), pool_.get(), 1, &commands); }
 
 void Gpu::runNow(const std::function<void(VkCommandBuffer)>& record) {
-    VkCommandBuffer commands = newCommands();
+    struct Freed {
+        Gpu& gpu;
+        VkCommandBuffer commands = gpu.newCommands();
+        ~Freed() { gpu.freeCommands(commands); }
+    };
+    const Freed own{*this};
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(commands, &begin), "record");
-    record(commands);
-    check(vkEndCommandBuffer(commands), "record");
-    wait(submit(commands));
-    freeCommands(commands);
+    check(vkBeginCommandBuffer(own.commands, &begin), "record");
+    record(own.commands);
+    check(vkEndCommandBuffer(own.commands), "record");
+    wait(submit(own.commands));
 }
 
 uint64_t Gpu::submit(VkCommandBuffer commands) {
@@ -162,14 +185,15 @@ uint64_t Gpu::submit(VkCommandBuffer commands) {
     info.commandBufferCount = 1;
     info.pCommandBuffers = &commands;
     info.signalSemaphoreCount = 1;
-    info.pSignalSemaphores = &timeline_;
+    const VkSemaphore done = timeline_.get();
+    info.pSignalSemaphores = &done;
     check(vkQueueSubmit(queue_, 1, &info, VK_NULL_HANDLE), "take work");
     return number;
 }
 
 bool Gpu::isDone(uint64_t number) {
     uint64_t reached = 0;
-    check(vkGetSemaphoreCounterValue(device_, timeline_, &reached), "tell how far it is");
+    check(vkGetSemaphoreCounterValue(handle(), timeline_.get(), &reached), "tell how far it is");
     return reached >= number;
 }
 
@@ -181,9 +205,10 @@ void Gpu::wait(uint64_t number) {
     }
     VkSemaphoreWaitInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
     info.semaphoreCount = 1;
-    info.pSemaphores = &timeline_;
+    const VkSemaphore done = timeline_.get();
+    info.pSemaphores = &done;
     info.pValues = &number;
-    check(vkWaitSemaphores(device_, &info, physical_.isCpu() ? UINT64_MAX : PATIENCE), "finish its work");
+    check(vkWaitSemaphores(handle(), &info, physical_.isCpu() ? UINT64_MAX : PATIENCE), "finish its work");
 }
 
 GpuBuffer::GpuBuffer(Gpu& gpu, uint64_t bytes, VkBufferUsageFlags usage, Memory memory) : gpu_(&gpu), bytes_(bytes) {

@@ -3,6 +3,7 @@
 // objects that own it, before the Gpu goes.
 
 #include "server/device/vulkan/core/pipeline_cache.h"
+#include "server/device/vulkan/core/vulkan_handle.h"
 
 #include <functional>
 #include <span>
@@ -46,6 +47,22 @@ private:
     void* data_ = nullptr;
 };
 
+/// Memory of an image, counted by its Gpu.
+class GpuMemory {
+public:
+    GpuMemory() = default;
+    GpuMemory(Gpu& gpu, uint64_t bytes, uint32_t type);
+    ~GpuMemory();
+    GpuMemory(GpuMemory&& other) noexcept { *this = std::move(other); }
+    GpuMemory& operator=(GpuMemory&& other) noexcept;
+    VkDeviceMemory handle() const { return memory_; }
+
+private:
+    Gpu* gpu_ = nullptr;
+    VkDeviceMemory memory_ = VK_NULL_HANDLE;
+    uint64_t bytes_ = 0;
+};
+
 /// What a Gpu is opened with beside what tracing needs.
 struct GpuFeatures {
     bool rayTracingPipeline = false;  // the driver's own ray tracing, as a benchmark's anchor
@@ -58,7 +75,7 @@ public:
     Gpu(const Gpu&) = delete;
     Gpu& operator=(const Gpu&) = delete;
 
-    VkDevice handle() const { return device_; }
+    VkDevice handle() const { return device_.handle; }
     const PhysicalDevice& physical() const { return physical_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     const VulkanContext& context() const { return *context_; }
@@ -72,8 +89,8 @@ public:
         return filled(content.data(), content.size_bytes(), usage);
     }
 
-    /// Memory of the image's own, bound to it; the caller frees it.
-    VkDeviceMemory allocateFor(VkImage image);
+    /// Memory of the image's own, bound to it. Throws VulkanError when memory runs out.
+    GpuMemory allocateFor(VkImage image);
 
     VkCommandBuffer newCommands();
     void freeCommands(VkCommandBuffer commands);
@@ -87,6 +104,7 @@ public:
 
 private:
     friend class GpuBuffer;
+    friend class GpuMemory;
     void openDevice(GpuFeatures features);
     uint32_t memoryType(uint32_t allowed, Memory memory) const;
     void reserve(uint64_t bytes);
@@ -96,13 +114,18 @@ private:
     PhysicalDevice physical_;
     VkPhysicalDeviceLimits limits_{};
     VkPhysicalDeviceMemoryProperties memory_{};
-    VkDevice device_ = VK_NULL_HANDLE;
+    /// Waits for the device before it goes; declared before all that is made of it.
+    struct Opened {
+        VkDevice handle = VK_NULL_HANDLE;
+        ~Opened();
+    };
+    std::atomic<uint64_t> allocated_{0};
+    Opened device_;
     VkQueue queue_ = VK_NULL_HANDLE;
-    VkCommandPool pool_ = VK_NULL_HANDLE;
-    VkSemaphore timeline_ = VK_NULL_HANDLE;
+    OwnedCommandPool pool_;
+    OwnedSemaphore timeline_;
     std::unique_ptr<PipelineCache> pipelineCache_;
     uint64_t submitted_ = 0;
-    std::atomic<uint64_t> allocated_{0};
 };
 
 }  // namespace heliograph

@@ -25,6 +25,12 @@ public:
     }
 
     T get() const { return handle_; }
+    /// Where a vkCreate function puts the object; what was held goes before.
+    T* put(VkDevice device) {
+        *this = {};
+        device_ = device;
+        return &handle_;
+    }
 
 private:
     VkDevice device_ = VK_NULL_HANDLE;
@@ -32,11 +38,17 @@ private:
 };
 
 using OwnedBufferView = VulkanHandle<VkBufferView, &vkDestroyBufferView>;
+using OwnedCommandPool = VulkanHandle<VkCommandPool, &vkDestroyCommandPool>;
 using OwnedDescriptorPool = VulkanHandle<VkDescriptorPool, &vkDestroyDescriptorPool>;
 using OwnedDescriptorSetLayout = VulkanHandle<VkDescriptorSetLayout, &vkDestroyDescriptorSetLayout>;
+using OwnedFramebuffer = VulkanHandle<VkFramebuffer, &vkDestroyFramebuffer>;
+using OwnedImage = VulkanHandle<VkImage, &vkDestroyImage>;
+using OwnedImageView = VulkanHandle<VkImageView, &vkDestroyImageView>;
 using OwnedPipeline = VulkanHandle<VkPipeline, &vkDestroyPipeline>;
 using OwnedPipelineLayout = VulkanHandle<VkPipelineLayout, &vkDestroyPipelineLayout>;
 using OwnedQueryPool = VulkanHandle<VkQueryPool, &vkDestroyQueryPool>;
+using OwnedRenderPass = VulkanHandle<VkRenderPass, &vkDestroyRenderPass>;
+using OwnedSemaphore = VulkanHandle<VkSemaphore, &vkDestroySemaphore>;
 using OwnedShaderModule = VulkanHandle<VkShaderModule, &vkDestroyShaderModule>;
 
 }  // namespace heliograph

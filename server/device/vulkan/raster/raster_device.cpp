@@ -35,7 +35,7 @@ public:
 
     DeviceInfo info() const override {
         DeviceInfo info;
-        info.name = "raster";
+        info.name = device_name::raster;
         info.details = "raster preview on " + gpu_.physical().name;
         info.silicon = gpu_.physical().isCpu() ? "cpu" : "gpu:" + std::to_string(gpu_.physical().index);
         info.workers = 1 << 16;  // a picture is drawn whole: it should come in one piece
@@ -76,7 +76,7 @@ private:
         std::vector<TileResult> results(tiles.size());
         for (size_t i = 0; i < tiles.size(); i++) {
             results[i].tile = tiles[i];
-            results[i].device = "raster";
+            results[i].device = device_name::raster;
             results[i].radianceSum.assign(size_t(tiles[i].size.x) * tiles[i].size.y, vec4(0.0f));
         }
         for (uint32_t sample = 0; sample < tiles.front().sampleCount; sample++) {

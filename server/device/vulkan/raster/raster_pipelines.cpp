@@ -15,23 +15,13 @@ constexpr uint32_t BINDINGS = BINDING_SOBOL + 1;  // the kernel's own
 RasterPipelines::RasterPipelines(Gpu& gpu) : gpu_(gpu) {
     makePass();
     makeLayout();
-    const std::span<const uint32_t> codes[] = {shaders::rasterVertex, shaders::rasterFragment};
+    const std::span<const uint32_t> codes[] = {shaders::rasterVertex(), shaders::rasterFragment()};
     for (int i = 0; i < 2; i++) {
         VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
         info.codeSize = codes[i].size_bytes();
         info.pCode = codes[i].data();
-        check(vkCreateShaderModule(gpu.handle(), &info, nullptr, &modules_[i]), "take the preview's shaders");
+        check(vkCreateShaderModule(gpu.handle(), &info, nullptr, modules_[i].put(gpu.handle())), "take the preview's shaders");
     }
-}
-
-RasterPipelines::~RasterPipelines() {
-    VkDevice device = gpu_.handle();
-    for (const auto& [effects, pipeline] : pipelines_) vkDestroyPipeline(device, pipeline, nullptr);
-    for (VkShaderModule module : modules_) vkDestroyShaderModule(device, module, nullptr);
-    vkDestroyDescriptorPool(device, pool_, nullptr);
-    vkDestroyPipelineLayout(device, layout_, nullptr);
-    vkDestroyDescriptorSetLayout(device, setLayout_, nullptr);
-    vkDestroyRenderPass(device, pass_, nullptr);
 }
 
 void RasterPipelines::makePass() {
@@ -68,7 +58,7 @@ void RasterPipelines::makePass() {
     info.pSubpasses = &subpass;
     info.dependencyCount = 1;
     info.pDependencies = &copied;
-    check(vkCreateRenderPass(gpu_.handle(), &info, nullptr, &pass_), "make a render pass");
+    check(vkCreateRenderPass(gpu_.handle(), &info, nullptr, pass_.put(gpu_.handle())), "make a render pass");
 }
 
 void RasterPipelines::makeLayout() {
@@ -82,37 +72,43 @@ void RasterPipelines::makeLayout() {
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = BINDINGS;
     set.pBindings = bindings;
-    check(vkCreateDescriptorSetLayout(gpu_.handle(), &set, nullptr, &setLayout_), "lay out descriptors");
+    check(vkCreateDescriptorSetLayout(gpu_.handle(), &set, nullptr, setLayout_.put(gpu_.handle())), "lay out descriptors");
     VkPushConstantRange constants{STAGES, 0, sizeof(RasterConstants)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 1;
-    layout.pSetLayouts = &setLayout_;
+    const VkDescriptorSetLayout layouts[] = {setLayout_.get()};
+    layout.pSetLayouts = layouts;
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &constants;
-    check(vkCreatePipelineLayout(gpu_.handle(), &layout, nullptr, &layout_), "lay out a pipeline");
+    check(vkCreatePipelineLayout(gpu_.handle(), &layout, nullptr, layout_.put(gpu_.handle())), "lay out a pipeline");
     VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     pool.maxSets = 1;
     pool.poolSizeCount = BINDINGS;
     pool.pPoolSizes = sizes;
-    check(vkCreateDescriptorPool(gpu_.handle(), &pool, nullptr, &pool_), "make a descriptor pool");
-    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_, 1, &setLayout_};
+    check(vkCreateDescriptorPool(gpu_.handle(), &pool, nullptr, pool_.put(gpu_.handle())), "make a descriptor pool");
+    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO, nullptr, pool_.get(), 1, layouts};
     check(vkAllocateDescriptorSets(gpu_.handle(), &allocate, &set_), "make a descriptor set");
 }
 
 VkPipeline RasterPipelines::get(EffectSet effects) {
-    VkPipeline& pipeline = pipelines_[effects.bits];
-    if (!pipeline) pipeline = make(effects);
-    return pipeline;
+    OwnedPipeline& pipeline = pipelines_[effects.bits];
+    if (pipeline.get() == VK_NULL_HANDLE) pipeline = make(effects);
+    return pipeline.get();
 }
 
-VkPipeline RasterPipelines::make(EffectSet effects) const {
+OwnedPipeline RasterPipelines::make(EffectSet effects) const {
     const VkSpecializationMapEntry entry{0, 0, 4};
     VkSpecializationInfo specialization{1, &entry, 4, &effects.bits};
     const VkShaderStageFlagBits kinds[] = {VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_FRAGMENT_BIT};
     VkPipelineShaderStageCreateInfo stages[2];
     for (int i = 0; i < 2; i++)
-        stages[i] = {
-            VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, kinds[i], modules_[i], "main", &specialization};
+        stages[i] = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                     nullptr,
+                     0,
+                     kinds[i],
+                     modules_[i].get(),
+                     "main",
+                     &specialization};
     VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
     assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
@@ -143,11 +139,12 @@ VkPipeline RasterPipelines::make(EffectSet effects) const {
     info.pDepthStencilState = &depth;
     info.pColorBlendState = &blend;
     info.pDynamicState = &dynamic;
-    info.layout = layout_;
-    info.renderPass = pass_;
-    VkPipeline pipeline;
-    check(vkCreateGraphicsPipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, &pipeline),
-          "compile the preview");
+    info.layout = layout_.get();
+    info.renderPass = pass_.get();
+    OwnedPipeline pipeline;
+    check(
+        vkCreateGraphicsPipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, pipeline.put(gpu_.handle())),
+        "compile the preview");
     return pipeline;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // The preview's render pass and its graphics pipelines, one for each set of effects.
 
+#include "server/device/vulkan/core/vulkan_handle.h"
 #include "server/device/vulkan/trace/gpu_scene.h"
 #include "server/request/effects.h"
 
@@ -18,27 +19,26 @@ struct RasterConstants {
 class RasterPipelines {
 public:
     explicit RasterPipelines(Gpu& gpu);
-    ~RasterPipelines();
     RasterPipelines(const RasterPipelines&) = delete;
 
-    VkRenderPass pass() const { return pass_; }
-    VkPipelineLayout layout() const { return layout_; }
+    VkRenderPass pass() const { return pass_.get(); }
+    VkPipelineLayout layout() const { return layout_.get(); }
     VkDescriptorSet set() const { return set_; }
     VkPipeline get(EffectSet effects);
 
 private:
     void makePass();
     void makeLayout();
-    VkPipeline make(EffectSet effects) const;
+    OwnedPipeline make(EffectSet effects) const;
 
     Gpu& gpu_;
-    VkRenderPass pass_ = VK_NULL_HANDLE;
-    VkDescriptorSetLayout setLayout_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkDescriptorPool pool_ = VK_NULL_HANDLE;
-    VkDescriptorSet set_ = VK_NULL_HANDLE;
-    VkShaderModule modules_[2] = {};
-    std::map<uint32_t, VkPipeline> pipelines_;
+    OwnedRenderPass pass_;
+    OwnedDescriptorSetLayout setLayout_;
+    OwnedPipelineLayout layout_;
+    OwnedDescriptorPool pool_;
+    VkDescriptorSet set_ = VK_NULL_HANDLE;  // the pool's
+    OwnedShaderModule modules_[2];
+    std::map<uint32_t, OwnedPipeline> pipelines_;
 };
 
 }  // namespace heliograph

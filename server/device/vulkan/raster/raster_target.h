@@ -2,6 +2,7 @@
 // What the preview draws into: a colour and a depth image of the picture's size, and the way of the pixels to the host.
 
 #include "server/device/vulkan/core/gpu.h"
+#include "server/device/vulkan/core/vulkan_handle.h"
 
 #include "server/kernel/kernel_types.h"
 
@@ -13,11 +14,10 @@ public:
     static constexpr VkFormat DEPTH = VK_FORMAT_D32_SFLOAT;
 
     RasterTarget(Gpu& gpu, VkRenderPass pass, uvec2 size);
-    ~RasterTarget();
     RasterTarget(const RasterTarget&) = delete;
 
     uvec2 size() const { return size_; }
-    VkFramebuffer framebuffer() const { return framebuffer_; }
+    VkFramebuffer framebuffer() const { return framebuffer_.get(); }
     /// Records the copy to the host; the colour image is in the pass's final layout.
     void recordCopy(VkCommandBuffer commands) const;
     /// Row-major; alpha 0 where nothing was drawn.
@@ -25,16 +25,16 @@ public:
 
 private:
     struct Image {
-        VkImage image = VK_NULL_HANDLE;
-        VkDeviceMemory memory = VK_NULL_HANDLE;
-        VkImageView view = VK_NULL_HANDLE;
+        GpuMemory memory;
+        OwnedImage image;
+        OwnedImageView view;
     };
     Image makeImage(VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect);
 
     Gpu& gpu_;
     uvec2 size_;
     Image color_, depth_;
-    VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
+    OwnedFramebuffer framebuffer_;
     GpuBuffer pixels_;
 };
 

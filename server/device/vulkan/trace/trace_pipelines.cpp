@@ -68,7 +68,7 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::
     VkDescriptorPool pool;
     check(vkCreateDescriptorPool(device, &poolInfo, nullptr, &pool), "make a descriptor pool");
     pool_ = {device, pool};
-    if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4 : shaders::traceWide2;
+    if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4() : shaders::traceWide2();
     std::vector<uint32_t> code = withoutContraction(other);
     VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     moduleInfo.codeSize = code.size() * sizeof(uint32_t);

@@ -42,7 +42,7 @@ public:
           alwaysStandsBy_(options.alwaysStandsBy) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
-        name_ = "vulkan:" + std::to_string(gpu_.physical().index);
+        name_ = numberedDevice(device_name::vulkan, gpu_.physical().index);
         silicon_ = !gpu_.physical().isCpu() ? "gpu:" + std::to_string(gpu_.physical().index)
                    : options.lastCoreOnly   ? "last core"
                                             : "cpu";

@@ -1,6 +1,7 @@
 // Programs on a Vulkan device: what outlives the process, and the wide one that serves until a request has its own.
 
 #include "server/device/vulkan/core/pipeline_store.h"
+#include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/film/cell_reach.h"
 #include "server/render/frame_renderer.h"
@@ -49,6 +50,22 @@ private:
 };
 
 const std::vector<uint8_t> PROGRAM = {1, 2, 3, 250, 0, 7};
+
+TEST(ShaderCode, IsUnpackedOnceAndDamageIsRefused) {
+    const shaders::Words words = shaders::rasterVertex();
+    ASSERT_GT(words.size(), 5u);
+    EXPECT_EQ(words[0], 0x07230203u) << "the mark of SPIR-V";
+    EXPECT_EQ(shaders::rasterVertex().data(), words.data());
+    // "HEYA" as gzip packs it.
+    std::vector<unsigned char> packed = {0x1f, 0x8b, 8, 0, 0,    0,    0,    0,    2, 3, 0xf3, 0x70,
+                                         0x8d, 0x74, 4, 0, 0xfe, 0x77, 0x17, 0x63, 4, 0, 0,    0};
+    EXPECT_EQ(shaders::unpacked(packed, 4), std::vector<uint32_t>{0x41594548u});
+    for (const size_t bytes : {0u, 8u}) EXPECT_THROW(shaders::unpacked(packed, bytes), std::runtime_error) << bytes;
+    packed[16] ^= 1;  // of the checksum
+    EXPECT_THROW(shaders::unpacked(packed, 4), std::runtime_error);
+    packed.resize(12);
+    EXPECT_THROW(shaders::unpacked(packed, 4), std::runtime_error);
+}
 
 TEST(PipelineStore, KeepsAndReplaces) {
     const ScratchFolder scratch;

@@ -4,6 +4,8 @@
 #include "server/device/vulkan/trace/batch.h"
 #include "server/device/vulkan/trace/gpu_scene.h"
 #include "server/device/vulkan/raster/raster_device.h"
+#include "server/device/vulkan/raster/raster_pipelines.h"
+#include "server/device/vulkan/raster/raster_target.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
 
 #include "server/base/error.h"
@@ -305,7 +307,7 @@ std::unique_ptr<Device> withSpare(std::function<std::unique_ptr<Device>()> make,
     offer.make = [make](const std::string& name) { return name == "embree" ? makeEmbreeDevice() : make(); };
     offer.spare = "embree";
     DeviceSwitchOptions options;
-    options.notice = [&told](const std::string& what) { told = what; };
+    options.notice = [&told](const std::string&, const std::string& what) { told = what; };
     return makeDeviceSwitch(std::move(offer), scheduler, std::move(options));
 }
 
@@ -385,6 +387,31 @@ TEST_F(Vulkan, StreamsSideBySideMakeTheSamePicture) {
 }
 
 // The preview sees what a camera ray sees: its depth and normals are those of the traced hit.
+TEST_F(Vulkan, ATargetThatLacksMemoryHalfWayLeavesNothingBehind) {
+    const uvec2 size(64, 48);
+    uint64_t whole = 0;
+    {
+        Gpu gpu(context_, context_->find(""));
+        RasterPipelines pipelines(gpu);
+        RasterTarget target(gpu, pipelines.pass(), size);
+        whole = gpu.allocatedBytes();
+        EXPECT_GE(whole, 36u * size.x * size.y) << "colour, depth and what the host reads";
+    }
+    // Too little for the colour image, for the depth image, for the pixels; the layer tells of what a closed device still has.
+    for (const uint64_t limit : {whole / 36, whole / 2, whole - 1}) {
+        VulkanOptions options = checked();
+        options.memoryLimit = limit;
+        auto context = std::make_shared<VulkanContext>(options);
+        {
+            Gpu gpu(context, context->find(""));
+            RasterPipelines pipelines(gpu);
+            EXPECT_THROW(RasterTarget(gpu, pipelines.pass(), size), VulkanError) << limit;
+            EXPECT_EQ(gpu.allocatedBytes(), 0u) << limit;
+        }
+        EXPECT_EQ(context->validationMessages(), 0u) << limit;
+    }
+}
+
 TEST_F(Vulkan, RasterPreviewSeesTheSameSurfaces) {
     auto scene = placedScene();
     Settings settings = occludedSettings();

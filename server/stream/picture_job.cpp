@@ -1,0 +1,37 @@
+#include "server/stream/picture_job.h"
+
+#include <algorithm>
+
+namespace heliograph {
+
+PictureJob::PictureJob(const PictureOrder& order, const ResidentScene& scene, ViewFilm& film, const ViewRequest& request)
+    : order_(order), view_(film.view().value_or(request)), target_(std::max(film.view() ? film.samples() : 0, 1u)) {
+    const bool filmServes = film.view() && film.samples() > 0 && filmSize(*film.view()) == film.view()->resolution;
+    view_.settings.renderScale = 1.0f;
+    film_ = filmServes ? film.film() : film.extra(filmSize(view_));
+    request_ = requestFor(scene, view_, film_->generation(), std::nullopt);
+    request_.history = std::make_shared<FrameHistory>();
+}
+
+PictureState PictureJob::state() const { return samples() < target_ ? PictureState::unfinished : PictureState::finished; }
+
+bool PictureJob::renderPass(PassRenderer& passes, Device& device, std::stop_token stop) {
+    request_.reach = reach_.of(request_);
+    return passes.render({device, request_, *film_, samples(), std::move(stop)}, figures_);
+}
+
+FinishedFrame PictureJob::frame(const Scene& scene) const {
+    FinishedFrame frame;
+    frame.picture = order_;
+    frame.film = film_;
+    frame.size = film_->resolution();
+    frame.view = view_;
+    frame.generation = film_->generation();
+    frame.samples = samples();
+    frame.final = true;
+    frame.sceneExposure = scene.exposure;
+    frame.figures = figures_;
+    return frame;
+}
+
+}  // namespace heliograph

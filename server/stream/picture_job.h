@@ -1,0 +1,32 @@
+#pragma once
+// A picture that was asked for beside the frames of a view: full resolution, as many samples as the view's film has.
+
+#include "server/film/cell_reach.h"
+#include "server/stream/view_film.h"
+
+namespace heliograph {
+
+class PictureJob {
+public:
+    /// Of what the film shows, or of `request` where there is none. The film itself serves where it has all of it. Throws
+    /// std::runtime_error without memory for a film of its own.
+    PictureJob(const PictureOrder& order, const ResidentScene& scene, ViewFilm& film, const ViewRequest& request);
+
+    PictureState state() const;
+    const ViewRequest& view() const { return view_; }
+    uint32_t samples() const { return film_->completedSamples(); }
+    /// One sample more. False when it was given up.
+    bool renderPass(PassRenderer& passes, Device& device, std::stop_token stop);
+    FinishedFrame frame(const Scene& scene) const;
+
+private:
+    PictureOrder order_;
+    ViewRequest view_;
+    std::shared_ptr<Film> film_;
+    uint32_t target_ = 1;  // samples
+    FrameRequest request_;
+    ReachOfView reach_;
+    PassFigures figures_;
+};
+
+}  // namespace heliograph

@@ -1,0 +1,83 @@
+#include "server/stream/view_film.h"
+
+#include <utility>
+
+namespace heliograph {
+
+FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uint32_t generation,
+                        const std::optional<Camera>& before) {
+    FrameRequest request;
+    request.camera = view.camera;
+    request.settings = view.settings;
+    request.effects.bits = scene.effects.bits & allowedEffects(view.settings).bits;
+    request.resolution = filmSize(view);
+    request.generation = generation;
+    request.previousCamera = before;
+    if (!before || *before == view.camera) request.effects.bits &= ~EFFECT_MOTION_BLUR;
+    return request;
+}
+
+void ViewFilm::forget() {
+    view_.reset();
+    history_->costs.forget();
+    reach_.forget();
+}
+
+bool ViewFilm::shows(const ViewRequest& request) const {
+    return view_ && sameFilm(*view_, request) && (request.moving || !request_.effects.has(EFFECT_MOTION_BLUR));
+}
+
+void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
+    if (!shows(request)) {
+        const std::optional<Camera> before = view_ && request.moving ? std::optional(view_->camera) : std::nullopt;
+        view_.reset();
+        film_.reset();
+        film_ = films_.next(filmSize(request), ++generation_);
+        request_ = requestFor(scene, request, generation_, before);
+        request_.history = history_;
+        samples_ = deliveredSamples_ = 0;
+        figures_.devices = 0;  // what a pass that was given up left behind is not in this film
+    }
+    view_ = request;
+}
+
+bool ViewFilm::renderPass(PassRenderer& passes, Device& device, std::stop_token stop, std::optional<Turns::Turn> turn) {
+    if (samples_ == 0) inputSeconds_ = std::chrono::duration<double>(Clock::now() - view_->received).count();
+    request_.reach = reach_.of(request_);
+    if (!passes.render({device, request_, *film_, samples_, std::move(stop)}, figures_, std::move(turn))) return false;
+    samples_ = film_->completedSamples();
+    return true;
+}
+
+Delivery ViewFilm::delivery() const {
+    Delivery delivery;
+    if (!view_) return delivery;
+    delivery.samples = samples_;
+    delivery.targetSamples = view_->settings.samples;
+    delivery.deliveredSamples = deliveredSamples_;
+    delivery.outdated = deliveredSamples_ > 0 && !samePicture(deliveredView_, *view_);
+    delivery.finalDelivered = finalDelivered_ && deliveredSamples_ >= delivery.targetSamples;
+    delivery.secondsSince = std::chrono::duration<double>(Clock::now() - deliveredAt_).count();
+    return delivery;
+}
+
+FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
+    FinishedFrame frame;
+    frame.film = film_;
+    frame.size = film_->resolution();
+    frame.view = *view_;
+    frame.generation = film_->generation();
+    frame.samples = samples_;
+    frame.final = samples_ >= view_->settings.samples && !path;
+    frame.path = path;
+    frame.sceneExposure = scene.exposure;
+    frame.inputSeconds = inputSeconds_;
+    frame.figures = std::exchange(figures_, PassFigures{});
+    deliveredSamples_ = samples_;
+    finalDelivered_ = frame.final;
+    deliveredView_ = *view_;
+    deliveredAt_ = Clock::now();
+    return frame;
+}
+
+}  // namespace heliograph

@@ -1,0 +1,62 @@
+#pragma once
+// The film of a view and what its viewer was sent of it. Used by the view's thread alone.
+
+#include "server/film/cell_reach.h"
+#include "server/film/film_pool.h"
+#include "server/render/pass_renderer.h"
+#include "server/request/loop_rules.h"
+#include "server/schedule/frame_history.h"
+#include "server/stream/finished_frame.h"
+
+namespace heliograph {
+
+/// `before`: where the camera was a frame ago; without it nothing is blurred by motion.
+FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uint32_t generation,
+                        const std::optional<Camera>& before);
+
+class ViewFilm {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    explicit ViewFilm(FilmPool films) : films_(std::move(films)) {}
+
+    /// Nothing of the scene so far is of use any more.
+    void forget();
+    /// Whether samples of the film are samples of the request. What moved and is blurred is made again sharp when it rests.
+    bool shows(const ViewRequest& request) const;
+    /// Shows this request from now on: with the same samples where they are its own, else with an empty film. Throws
+    /// std::runtime_error without memory for one; there is no film then.
+    void show(const ResidentScene& scene, const ViewRequest& request);
+    /// One sample more. False when it was given up.
+    bool renderPass(PassRenderer& passes, Device& device, std::stop_token stop, std::optional<Turns::Turn> turn);
+    /// How far it is and what the viewer has of it.
+    Delivery delivery() const;
+    /// The film as a frame, which then counts as delivered. `path`: part of a run along the camera path.
+    FinishedFrame frame(const Scene& scene, bool path);
+
+    /// What it shows; nothing without a film.
+    const std::optional<ViewRequest>& view() const { return view_; }
+    uint32_t samples() const { return samples_; }
+    const std::shared_ptr<Film>& film() const { return film_; }
+    const FrameRequest& request() const { return request_; }
+    /// An empty film beside this one. Throws as `show` does.
+    std::shared_ptr<Film> extra(uvec2 resolution) { return films_.extra(resolution, ++generation_); }
+
+private:
+    FilmPool films_;
+    std::shared_ptr<Film> film_;
+    std::optional<ViewRequest> view_;
+    FrameRequest request_;
+    uint32_t generation_ = 0;
+    uint32_t samples_ = 0;       // per pixel, finished
+    double inputSeconds_ = 0.0;  // from the input to the start of the first pass
+    PassFigures figures_;        // since the last frame
+    std::shared_ptr<FrameHistory> history_ = std::make_shared<FrameHistory>();
+    ReachOfView reach_;
+    uint32_t deliveredSamples_ = 0;
+    bool finalDelivered_ = false;
+    ViewRequest deliveredView_;
+    Clock::time_point deliveredAt_{};
+};
+
+}  // namespace heliograph
