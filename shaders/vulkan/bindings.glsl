@@ -40,7 +40,7 @@ struct TraceTile {
     uint firstPixel;   // in the sums
 };
 
-// Counts of a tile: rays by kind, samples that are not finite, paths that the program for a single surface ended, rays that
+// Counts of a tile: rays by kind, samples that are not finite, paths that the program for the first surface alone ended, rays that
 // no instance could be tested with.
 #define RAY_KIND(number, NAME, name, word) UINT_CONSTANT(COUNT_##NAME, number)
 #include "shaders/kernel/ray_table.glsl"

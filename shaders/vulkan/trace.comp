@@ -5,13 +5,13 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
 layout(local_size_x = 64) in;
-layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;  // exactly those of the request, or more if WIDE
+layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;  // exactly those of the request, or more if GENERAL
 layout(constant_id = 1) const uint PATH_STACK = 16u;       // pending rays of a pixel, at least what the settings allow
 layout(constant_id = 2) const uint BVH_STACK = 64u;
 layout(constant_id = 3) const uint VARIETIES = 0xffffffffu;  // what the scene holds
-layout(constant_id = 4) const bool WIDE = false;           // serves requests with fewer effects: the frame says which
-layout(constant_id = 5) const bool SINGLE = false;         // paths end at their first surface; those that would go on are counted
-#define ASKED(effect) (!WIDE || (FRAME.effects & (effect)) != 0u)
+layout(constant_id = 4) const bool GENERAL = false;           // serves requests with fewer effects: the frame says which
+layout(constant_id = 5) const bool FIRST_SURFACE = false;         // paths end at their first surface; those that would go on are counted
+#define ASKED(effect) (!GENERAL || (FRAME.effects & (effect)) != 0u)
 
 #include "vulkan/device.glsl"
 
@@ -25,7 +25,7 @@ layout(push_constant) uniform Batch {
 
 #define RAY_KIND(number, NAME, name, word) uint name##Rays = 0u;
 #include "kernel/ray_table.glsl"
-uint cutOff = 0u;  // paths that SINGLE ended
+uint cutOff = 0u;  // paths that FIRST_SURFACE ended
 
 // Share of the light that gets through the transparent surfaces on a shadow ray's way, nearest first.
 vec3 transmittance(Ray ray) {
@@ -121,7 +121,7 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
             }
         } else {
             Arrival a = arrive(pixel, sampleIndex, p, hit, radiance);
-            if (SINGLE) {
+            if (FIRST_SURFACE) {
                 if (a.next != 0u) cutOff++;
             } else {
 #define PUSH(bit, path) if ((a.next & bit) != 0u) stack[top++] = a.path;
@@ -129,7 +129,7 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
             }
             gatherLight(pixel, sampleIndex, p, 1u, a, radiance);
         }
-        if (SINGLE || top == 0u) return radiance;
+        if (FIRST_SURFACE || top == 0u) return radiance;
         p = stack[--top];
     }
     return radiance;
@@ -180,6 +180,6 @@ void main() {
 #define RAY_KIND(number, NAME, name, word) addCount(tileIndex, COUNT_##NAME, name##Rays);
 #include "kernel/ray_table.glsl"
     addCount(tileIndex, COUNT_NONFINITE, nonfinite);
-    if (SINGLE) addCount(tileIndex, COUNT_CUT_OFF, cutOff);
+    if (FIRST_SURFACE) addCount(tileIndex, COUNT_CUT_OFF, cutOff);
     addCount(tileIndex, COUNT_UNTRACEABLE, untraceableRays);
 }

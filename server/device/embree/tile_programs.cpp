@@ -22,8 +22,8 @@ extern const TileProgramTable PROGRAM_TABLE;
 namespace {
 
 const TileProgramTable& chooseTable() {
-    const char* wish = std::getenv("HELIOGRAPH_ISA");
-    std::string_view asked = wish ? wish : "v4";
+    const char* set = std::getenv("HELIOGRAPH_ISA");
+    std::string_view asked = set ? set : "v4";
     if (asked == "v4" && __builtin_cpu_supports("x86-64-v4")) return lanes_v4::PROGRAM_TABLE;
     if (asked != "v2" && __builtin_cpu_supports("x86-64-v3")) return lanes_v3::PROGRAM_TABLE;
     return lanes_v2::PROGRAM_TABLE;

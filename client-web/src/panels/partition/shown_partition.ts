@@ -34,7 +34,7 @@ export class ShownPartition {
     this.show(partition === null || !this.wanted_() ? null : { partition, frame });
   }
 
-  /** The viewer's wish may have changed. */
+  /** What the viewer asks for may have changed. */
   settingsChanged(): void {
     if (!this.wanted_()) this.show(null);
   }

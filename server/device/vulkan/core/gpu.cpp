@@ -95,13 +95,13 @@ uint32_t Gpu::memoryType(uint32_t allowed, Memory memory) const {
     constexpr VkMemoryPropertyFlags HOST = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     constexpr VkMemoryPropertyFlags CACHED = HOST | VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     // In order of preference. Where the host sees all of the device's memory, it writes there without a copy.
-    const VkMemoryPropertyFlags wishes[3][3] = {{LOCAL | HOST, LOCAL, 0}, {LOCAL | HOST, HOST, HOST}, {CACHED, HOST, HOST}};
-    for (VkMemoryPropertyFlags wish : wishes[static_cast<int>(memory)])
+    const VkMemoryPropertyFlags preferred[3][3] = {{LOCAL | HOST, LOCAL, 0}, {LOCAL | HOST, HOST, HOST}, {CACHED, HOST, HOST}};
+    for (VkMemoryPropertyFlags flags : preferred[static_cast<int>(memory)])
         for (uint32_t i = 0; i < memory_.memoryTypeCount; i++) {
             const VkMemoryType& type = memory_.memoryTypes[i];
-            if (!(allowed >> i & 1u) || (type.propertyFlags & wish) != wish) continue;
+            if (!(allowed >> i & 1u) || (type.propertyFlags & flags) != flags) continue;
             // A small window on the device's memory is not for scenes.
-            if (wish == (LOCAL | HOST) && memory_.memoryHeaps[type.heapIndex].size < physical_.memoryBytes) continue;
+            if (flags == (LOCAL | HOST) && memory_.memoryHeaps[type.heapIndex].size < physical_.memoryBytes) continue;
             return i;
         }
     throw VulkanError(VK_ERROR_FEATURE_NOT_PRESENT, "find memory of the kind it needs");

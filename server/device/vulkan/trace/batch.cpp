@@ -60,8 +60,8 @@ bool Batch::takes(const Tile& tile, uint64_t wantedSamples) const {
            (pixels_ + pixelsOf(tile)) * sizeof(vec4) <= std::min<uint64_t>(gpu_.limits().maxStorageBufferRange, 256u << 20);
 }
 
-void Batch::add(const Tile& tile, bool single) {
-    (single ? singleTiles_ : tiles_).push_back(tile);
+void Batch::add(const Tile& tile, bool firstSurface) {
+    (firstSurface ? firstSurfaceTiles_ : tiles_).push_back(tile);
     pixels_ += pixelsOf(tile);
     groups_ += groupsOf(tile);
     samples_ += pixelsOf(tile) * tile.sampleCount;
@@ -78,9 +78,9 @@ void Batch::arrange() {
     };
     for (const Tile& tile : tiles_) enter(tile);
     fullGroups_ = static_cast<uint32_t>(groups);
-    for (const Tile& tile : singleTiles_) enter(tile);
-    tiles_.insert(tiles_.end(), singleTiles_.begin(), singleTiles_.end());
-    singleTiles_.clear();
+    for (const Tile& tile : firstSurfaceTiles_) enter(tile);
+    tiles_.insert(tiles_.end(), firstSurfaceTiles_.begin(), firstSurfaceTiles_.end());
+    firstSurfaceTiles_.clear();
 }
 
 // Buffers grow by half, so that a growing window does not allocate at every step.
@@ -118,12 +118,12 @@ void Batch::bindOutputs() {
     vkUpdateDescriptorSets(gpu_.handle(), 4, writes, 0, nullptr);
 }
 
-void Batch::submit(VkPipeline pipeline, VkPipeline single, const FrameConstants& frame) {
+void Batch::submit(VkPipeline pipeline, VkPipeline firstSurface, const FrameConstants& frame) {
     arrange();
     makeRoom();
     std::memcpy(frame_.data(), &frame, sizeof frame);
     std::memcpy(tileList_.data(), entries_.data(), entries_.size() * sizeof(TraceTile));
-    record(pipeline, single);
+    record(pipeline, firstSurface);
     submittedAt_ = now();
     number_ = gpu_.submit(commands_);
 }
@@ -136,7 +136,7 @@ void Batch::dispatch(VkPipeline pipeline, uint32_t groupsBefore, uint32_t groups
     vkCmdDispatch(commands_, groups, 1, 1);
 }
 
-void Batch::record(VkPipeline pipeline, VkPipeline single) {
+void Batch::record(VkPipeline pipeline, VkPipeline firstSurface) {
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(commands_, &begin), "record");
@@ -151,7 +151,7 @@ void Batch::record(VkPipeline pipeline, VkPipeline single) {
                          nullptr, 0, nullptr);
     vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_.layout(), 0, 1, &set_, 0, nullptr);
     dispatch(pipeline, 0, fullGroups_);
-    dispatch(single, fullGroups_, static_cast<uint32_t>(groups_) - fullGroups_);
+    dispatch(firstSurface, fullGroups_, static_cast<uint32_t>(groups_) - fullGroups_);
     barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_HOST_READ_BIT;
     vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
@@ -202,7 +202,7 @@ void Batch::forget() {
 
 void Batch::clear() {
     tiles_.clear();
-    singleTiles_.clear();
+    firstSurfaceTiles_.clear();
     entries_.clear();
     pixels_ = groups_ = samples_ = 0;
 }

@@ -24,15 +24,15 @@ public:
     ~Batch();
     Batch(const Batch&) = delete;
 
-    bool empty() const { return tiles_.empty() && singleTiles_.empty(); }
+    bool empty() const { return tiles_.empty() && firstSurfaceTiles_.empty(); }
     bool inFlight() const { return number_ != 0; }
     uint64_t samples() const { return samples_; }
     /// Whether one more tile fits beside those that are in. An empty batch takes any tile.
     bool takes(const Tile& tile, uint64_t wantedSamples) const;
-    /// `single`: for the program whose paths end at their first surface.
-    void add(const Tile& tile, bool single = false);
+    /// `firstSurface`: for the program whose paths end at their first surface.
+    void add(const Tile& tile, bool firstSurface = false);
     /// The second program may be null if no tile was added for it.
-    void submit(VkPipeline pipeline, VkPipeline single, const FrameConstants& frame);
+    void submit(VkPipeline pipeline, VkPipeline firstSurface, const FrameConstants& frame);
     /// Waits for the batch; afterwards the results can be read until `clear`. Returns the GPU's seconds.
     double finish();
     size_t tileCount() const { return tiles_.size(); }
@@ -47,7 +47,7 @@ public:
 private:
     void makeRoom();
     void bindOutputs();
-    void record(VkPipeline pipeline, VkPipeline single);
+    void record(VkPipeline pipeline, VkPipeline firstSurface);
     void dispatch(VkPipeline pipeline, uint32_t groupsBefore, uint32_t groups);
     void arrange();
 
@@ -57,9 +57,9 @@ private:
     VkCommandBuffer commands_;
     OwnedQueryPool queries_;
     GpuBuffer frame_, tileList_, sums_, counts_, countsOut_;
-    std::vector<Tile> tiles_;        // once submitted: those of the first program, then those of the second
-    std::vector<Tile> singleTiles_;  // until then
-    uint32_t fullGroups_ = 0;        // of the first program
+    std::vector<Tile> tiles_;              // once submitted: those of the first program, then those of the second
+    std::vector<Tile> firstSurfaceTiles_;  // until then
+    uint32_t fullGroups_ = 0;              // of the first program
     std::vector<TraceTile> entries_;
     uint64_t pixels_ = 0;
     uint64_t groups_ = 0;

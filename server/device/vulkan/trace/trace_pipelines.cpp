@@ -10,7 +10,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr size_t WIDE = 4;  // which of a key's numbers
+constexpr size_t GENERAL = 4;  // which of a key's numbers
 
 uint32_t roundUp(uint32_t n, uint32_t step) { return (n + step - 1) / step * step; }
 
@@ -97,7 +97,7 @@ void TracePipelines::freeSet(VkDescriptorSet set) {
 }
 
 TracePipelines::Key TracePipelines::keyOf(const Kind& kind) {
-    return {kind.effects.bits, kind.pathStack, roundUp(kind.bvhStack, 16), kind.varieties, kind.wide, kind.single};
+    return {kind.effects.bits, kind.pathStack, roundUp(kind.bvhStack, 16), kind.varieties, kind.general, kind.firstSurface};
 }
 
 VkPipeline TracePipelines::find(const Kind& kind) {
@@ -122,7 +122,7 @@ size_t TracePipelines::trim(size_t most) {
     std::lock_guard lock(mutex_);
     std::vector<std::pair<uint64_t, Key>> byUse;
     for (const auto& [key, made] : pipelines_) {
-        if (key[WIDE] == 0) byUse.push_back({made.lastUse, key});
+        if (key[GENERAL] == 0) byUse.push_back({made.lastUse, key});
     }
     if (byUse.size() <= most) return 0;
     const size_t gone = byUse.size() - most;

@@ -1,7 +1,7 @@
 #pragma once
-// The tracer's compute pipelines, one for each set of effects and size of stacks, made when first needed; the
-// ones used last are kept. A wide one
-// serves every request whose effects are among its own, slower than one made for the request alone, with the same picture.
+// The tracer's compute pipelines, one for each set of effects and size of stacks, made when first needed; the ones used last
+// are kept. A general one serves every request whose effects are among its own, slower than one made for the request alone,
+// with the same picture.
 
 #include "server/device/vulkan/core/vulkan_handle.h"
 #include "server/device/vulkan/trace/gpu_scene.h"
@@ -38,14 +38,14 @@ public:
         uint32_t pathStack = 0;  // pathStackSize
         uint32_t bvhStack = 0;
         uint32_t varieties = ~0u;
-        bool wide = false;    // asks the frame which of its effects it has
-        bool single = false;  // paths end at their first surface; those that would go on are counted
+        bool general = false;       // asks the frame which of its effects it has
+        bool firstSurface = false;  // paths end at their first surface; those that would go on are counted
     };
     /// Compiles at the first call; calls for pipelines that are there do not wait for that. Safe from several threads.
     VkPipeline get(const Kind& kind);
     /// Null where it is not there yet.
     VkPipeline find(const Kind& kind);
-    /// Lets go of all but the `most` used last; wide ones stay. Only while no pipeline is in use. Returns how many went.
+    /// Lets go of all but the `most` used last; general ones stay. Only while no pipeline is in use. Returns how many went.
     size_t trim(size_t most);
     size_t count() const;
 

@@ -1,5 +1,5 @@
 #pragma once
-// The tiles of one call of a device: those that nobody has rendered yet, and those that the program for paths of a single
+// The tiles of one call of a device: those that nobody has rendered yet, and those whose paths the program for the first
 // surface had to cut off, which are rendered again by the one that follows them.
 
 #include "server/device/vulkan/trace/batch.h"

@@ -75,7 +75,7 @@ public:
         {
             std::lock_guard warm(warmMutex_);
             warm_.clear();
-            wide_.reset();
+            general_.reset();
             loads_++;
         }
         source_ = std::move(scene);
@@ -155,12 +155,12 @@ public:
     Warmth warmth(const FrameRequest& request) const override {
         std::lock_guard lock(warmMutex_);
         if (warm_.contains(warmKey(request))) return Warmth::warm;
-        return wide_ && wide_->serves(request) ? Warmth::lukewarm : Warmth::cold;
+        return general_ && general_->serves(request) ? Warmth::lukewarm : Warmth::cold;
     }
 
     void standBy() override {
         if (!standsBy()) return;
-        Wide wide;
+        General general;
         TracePipelines::Kind kind, first;
         uint32_t loads;
         {
@@ -169,18 +169,18 @@ public:
             std::lock_guard warm(warmMutex_);
             loads = loads_;
             const auto& [quality, resident] = *residents_.begin();
-            wide.quality = quality;
-            wide.effects = effectsOf(*source_);
-            wide.pathStack = pathStackSize(wide.effects, Settings{});
-            kind = kindOf(*resident.scene, wide.effects, wide.pathStack);
-            kind.wide = true;
+            general.quality = quality;
+            general.effects = effectsOf(*source_);
+            general.pathStack = pathStackSize(general.effects, Settings{});
+            kind = kindOf(*resident.scene, general.effects, general.pathStack);
+            kind.general = true;
             first = kindFor(*resident.scene, firstRequest(Settings{}));
         }
-        wide.pipeline = pipelines_.get(kind);
+        general.pipeline = pipelines_.get(kind);
         {
             std::lock_guard lock(warmMutex_);
             if (loads_ != loads) return;  // it was made for another scene
-            wide_ = wide;
+            general_ = general;
         }
         addSingle(first);
     }
@@ -197,7 +197,7 @@ private:
     bool standsBy() const { return !gpu_.physical().isCpu() || alwaysStandsBy_; }
 
     /// The program that serves until the one for a request's own effects is compiled: with all effects that the scene calls for.
-    struct Wide {
+    struct General {
         VkPipeline pipeline = VK_NULL_HANDLE;
         EffectSet effects;
         uint32_t pathStack = 0;
@@ -251,9 +251,9 @@ private:
         if (inUse_.empty()) trimPipelines();
         inUse_.insert(batch);
         try {
-            const VkPipeline single = singleFor(resident, request);
-            work.fill(*batch, size_.samples(), single != VK_NULL_HANDLE);
-            batch->submit(pipelineFor(resident, request), single, frameConstants(*source_, request));
+            const VkPipeline firstSurface = firstSurfaceFor(resident, request);
+            work.fill(*batch, size_.samples(), firstSurface != VK_NULL_HANDLE);
+            batch->submit(pipelineFor(resident, request), firstSurface, frameConstants(*source_, request));
         } catch (...) {
             batch->forget();
             inUse_.erase(batch);
@@ -294,26 +294,26 @@ private:
         if (VkPipeline own = pipelines_.find(kind)) return own;
         {
             std::lock_guard lock(warmMutex_);
-            if (wide_ && wide_->serves(request)) return wide_->pipeline;
+            if (general_ && general_->serves(request)) return general_->pipeline;
         }
         return pipelines_.get(kind);
     }
 
     // The program for tiles whose paths have all ended at their first surface so far; null where there is none (yet).
-    VkPipeline singleFor(const Resident& resident, const FrameRequest& request) {
-        return reachOf(request) ? pipelines_.find(singleOf(kindFor(*resident.scene, request))) : VK_NULL_HANDLE;
+    VkPipeline firstSurfaceFor(const Resident& resident, const FrameRequest& request) {
+        return reachOf(request) ? pipelines_.find(firstSurfaceOf(kindFor(*resident.scene, request))) : VK_NULL_HANDLE;
     }
     static CellReach* reachOf(const FrameRequest& request) {
         return pathsGoOn(request.effects) ? request.reach.get() : nullptr;
     }
-    static TracePipelines::Kind singleOf(TracePipelines::Kind kind) {
-        kind.single = true;
+    static TracePipelines::Kind firstSurfaceOf(TracePipelines::Kind kind) {
+        kind.firstSurface = true;
         kind.pathStack = 1;
         return kind;
     }
     // Compiles it, if paths of that kind go on at all.
     void addSingle(const TracePipelines::Kind& kind) {
-        if (pathsGoOn(kind.effects)) pipelines_.get(singleOf(kind));
+        if (pathsGoOn(kind.effects)) pipelines_.get(firstSurfaceOf(kind));
     }
 
     // Batches in order: while one is traced, the one before is handed over.
@@ -321,17 +321,17 @@ private:
                    std::stop_token stop) {
         FrameConstants frame = frameConstants(*source_, request);
         VkPipeline pipeline = pipelineFor(resident, request);
-        VkPipeline single = singleFor(resident, request);
+        VkPipeline firstSurface = firstSurfaceFor(resident, request);
         const uint64_t wanted = wantedSamples(tiles);
         TraceWork work{tiles, reachOf(request)};
         for (size_t turn = 0;; turn++) {
             Batch& batch = *resident.batches[turn % IN_FLIGHT];
             if (batch.inFlight()) deliver(batch, work, sink);
-            if (!stop.stop_requested()) work.fill(batch, wanted, single != VK_NULL_HANDLE);
-            if (!batch.empty()) batch.submit(pipeline, single, frame);
+            if (!stop.stop_requested()) work.fill(batch, wanted, firstSurface != VK_NULL_HANDLE);
+            if (!batch.empty()) batch.submit(pipeline, firstSurface, frame);
             else if (!anyInFlight(resident)) break;
         }
-        if (pipelines_.find(kindFor(*resident.scene, request))) setWarm(request);  // else the wide one has served
+        if (pipelines_.find(kindFor(*resident.scene, request))) setWarm(request);  // else the general one has served
     }
 
     static bool anyInFlight(const Resident& resident) {
@@ -411,7 +411,7 @@ private:
     std::atomic<double> batchSeconds_{0.0};
     const bool alwaysStandsBy_;
     mutable std::mutex warmMutex_;
-    std::optional<Wide> wide_;
+    std::optional<General> general_;
     uint32_t loads_ = 0;      // scenes so far
     std::set<WarmKey> warm_;  // has rendered such requests
     std::mutex mutex_;

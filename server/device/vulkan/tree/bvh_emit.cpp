@@ -75,8 +75,8 @@ struct Grid {
     double step;
 
     Grid(float low, float high) {
-        double wide = std::max<double>({1.05 * (double(high) - low), 4e-7 * std::abs(double(low)), 1e-30});
-        exponent = std::clamp(static_cast<int>(std::ceil(std::log2(wide / 254.0))), -126, 120);
+        double extent = std::max<double>({1.05 * (double(high) - low), 4e-7 * std::abs(double(low)), 1e-30});
+        exponent = std::clamp(static_cast<int>(std::ceil(std::log2(extent / 254.0))), -126, 120);
         step = std::ldexp(1.0, exponent);
         origin = std::min(static_cast<float>(low - 0.02 * step), std::nextafter(low, -3e38f));
     }

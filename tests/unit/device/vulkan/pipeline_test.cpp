@@ -1,4 +1,4 @@
-// Programs on a Vulkan device: what outlives the process, and the wide one that serves until a request has its own.
+// Programs on a Vulkan device: what outlives the process, and the general one that serves until a request has its own.
 
 #include "server/device/vulkan/core/pipeline_store.h"
 #include "server/device/vulkan/core/shader_code.h"
@@ -148,8 +148,8 @@ bool same(const std::vector<vec4>& a, const std::vector<vec4>& b) {
     return a.size() == b.size() && !a.empty() && std::memcmp(a.data(), b.data(), a.size() * sizeof(vec4)) == 0;
 }
 
-// Whatever a viewer switches, the wide program makes the picture that the request's own program makes.
-TEST(WidePipeline, MakesTheSamePictureUntilTheRequestHasItsOwn) {
+// Whatever a viewer switches, the general program makes the picture that the request's own program makes.
+TEST(GeneralPipeline, MakesTheSamePictureUntilTheRequestHasItsOwn) {
     auto context = vulkanContext(standingBy());
     const uint64_t before = context->validationMessages();
     const auto scene = openScene("cornell");
@@ -167,22 +167,22 @@ TEST(WidePipeline, MakesTheSamePictureUntilTheRequestHasItsOwn) {
     device->standBy();
     for (const FrameRequest& request : {few, many}) {
         EXPECT_EQ(device->warmth(request), Warmth::lukewarm);
-        const std::vector<vec4> wide = picture(*device, request);
+        const std::vector<vec4> general = picture(*device, request);
         EXPECT_EQ(device->warmth(request), Warmth::lukewarm) << "nothing was compiled for it";
         device->warmUp(request);
         EXPECT_EQ(device->warmth(request), Warmth::warm);
-        EXPECT_TRUE(same(wide, picture(*device, request)));
+        EXPECT_TRUE(same(general, picture(*device, request)));
     }
     FrameRequest deep = many;
-    deep.settings.maxRefractions = 30;  // more pending rays than the wide program has room for
+    deep.settings.maxRefractions = 30;  // more pending rays than the general program has room for
     EXPECT_EQ(device->warmth(deep), Warmth::cold);
     EXPECT_EQ(context->validationMessages(), before);
 }
 
-/// The scene with one small mirror, in tiles of 16 pixels, on a device that has a program for paths of a single surface.
-class SinglePipeline : public ::testing::Test {
+/// The scene with one small mirror, in tiles of 16 pixels, on a device that has a program for paths that end at their first surface.
+class FirstSurfacePipeline : public ::testing::Test {
 protected:
-    SinglePipeline() {
+    FirstSurfacePipeline() {
         Settings settings;
         settings.tileWidth = settings.tileHeight = 1;
         device_->load(scene_, settings, {});
@@ -226,19 +226,19 @@ protected:
     RayCounts stats_;
 };
 
-TEST_F(SinglePipeline, ServesTheTilesThatSeeNoMirrorWithTheSamePicture) {
+TEST_F(FirstSurfacePipeline, ServesTheTilesThatSeeNoMirrorWithTheSamePicture) {
     ASSERT_GT(stats_[RayKind::reflection], 0u) << "the mirror is seen";
     for (bool asStream : {false, true}) {
         expectTheSame("nothing is known of the view", asStream);
-        const auto single =
+        const auto atFirst =
             std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
-        EXPECT_GT(single, static_cast<long>(tiles_.size() / 2));
-        EXPECT_LT(single, static_cast<long>(tiles_.size()));
+        EXPECT_GT(atFirst, static_cast<long>(tiles_.size() / 2));
+        EXPECT_LT(atFirst, static_cast<long>(tiles_.size()));
         expectTheSame("the view is known", asStream);
     }
 }
 
-TEST_F(SinglePipeline, WhatItCutsOffIsRenderedAgain) {
+TEST_F(FirstSurfacePipeline, WhatItCutsOffIsRenderedAgain) {
     for (bool asStream : {false, true}) {
         request_.reach = std::make_shared<CellReach>(request_.resolution);
         for (const Tile& tile : tiles_) {
@@ -247,13 +247,13 @@ TEST_F(SinglePipeline, WhatItCutsOffIsRenderedAgain) {
             request_.reach->note(lie);
         }
         expectTheSame("all tiles are said to see no mirror", asStream);
-        const auto single =
+        const auto atFirst =
             std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
-        EXPECT_LT(single, static_cast<long>(tiles_.size())) << "and now it is known better";
+        EXPECT_LT(atFirst, static_cast<long>(tiles_.size())) << "and now it is known better";
     }
 }
 
-TEST(WidePipeline, AProcessorNeedsNone) {
+TEST(GeneralPipeline, AProcessorNeedsNone) {
     VulkanOptions options = standingBy();
     options.alwaysStandsBy = false;
     auto device = makeVulkanDevice("", options);

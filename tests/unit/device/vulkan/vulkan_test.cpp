@@ -222,7 +222,7 @@ TEST_F(Vulkan, ThereAreAsManySetsAsWereAskedForAndNoMore) {
 TEST_F(Vulkan, PipelinesThatWereUsedLongAgoGo) {
     Gpu gpu(context_, context_->find(""));
     TracePipelines pipelines(gpu, GpuScene::widthFor(gpu.physical()), 1);
-    auto kind = [](uint32_t effects, bool wide) { return TracePipelines::Kind{{effects}, 1, 16, 0, wide}; };
+    auto kind = [](uint32_t effects, bool general) { return TracePipelines::Kind{{effects}, 1, 16, 0, general}; };
     for (uint32_t effects : {0u, uint32_t(EFFECT_SHADOWS)}) pipelines.get(kind(effects, false));
     pipelines.get(kind(0, true));
     pipelines.get(kind(0, false));  // used again
