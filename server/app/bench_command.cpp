@@ -37,7 +37,7 @@ struct Bench {
     uvec2 resolution{0, 0};
     std::shared_ptr<const Scene> scene;
     Camera camera;
-    std::unique_ptr<Device> device;
+    std::unique_ptr<Renderer> device;
 
     explicit Bench(const BenchOptions& options) : given(givenSettings(options)) {
         resolution = renderedSize(parsedSize(options.size), given.settings);
@@ -46,7 +46,7 @@ struct Bench {
     void open(const BenchOptions& options, const Progress& progress) {
         scene = openScene(options.scene, options.environment, progress);
         camera = chosenCamera(*scene, options.camera, given);
-        device = makeDevice(given.settings);
+        device = makeRenderer(given.settings);
         device->load(scene, given.settings, progress);
     }
 };
@@ -180,7 +180,7 @@ nlohmann::ordered_json measureHybrid(const Bench& bench, const BenchOptions& opt
         else result["by_samples"].push_back(std::move(one));
     }
     std::string why;
-    std::unique_ptr<Device> pair = makeForcedPair(why);
+    std::unique_ptr<Renderer> pair = makeForcedPair(why);
     if (!pair) {
         result["forced"] = nullptr;
         result["forced_why_not"] = why;
@@ -257,7 +257,7 @@ int runBenchSchedule(const BenchOptions& options, std::ostream& out) {
     {
         ProgressBar bar;
         std::vector<CostMap> maps;
-        std::unique_ptr<Device> device = makeDevice(settings.settings);
+        std::unique_ptr<Renderer> device = makeRenderer(settings.settings);
         for (const std::string& name : options.scenes) {
             GivenSettings given = settings;
             std::shared_ptr<const Scene> scene = openScene(name, "", bar.progress());

@@ -28,7 +28,7 @@ constexpr uint32_t PAIRS = 3;          // then, of which the middle one counts
 /// A scene on its device, and how it is measured.
 struct Opened {
     std::shared_ptr<const Scene> scene;
-    std::unique_ptr<Device> device;
+    std::unique_ptr<Renderer> device;
     EffectBenchOptions bounds;
 };
 
@@ -55,7 +55,7 @@ Opened opened(const BenchEffectsOptions& options, const Progress& progress) {
     result.scene = openScene(options.scene, options.environment, progress);
     result.bounds.camera = chosenCamera(*result.scene, options.camera, given);
     result.bounds.settings = given.settings;
-    result.device = makeDevice(given.settings);
+    result.device = makeRenderer(given.settings);
     result.device->load(result.scene, given.settings, progress);
     return result;
 }

@@ -46,39 +46,41 @@ std::unique_ptr<Device> makeNamed(const std::string& word) {
 
 namespace {
 
-/// A device switch with a scheduler of its own.
-class CommandDevice : public Device {
+/// A device set with a scheduler of its own.
+class CommandRenderer : public Renderer {
 public:
-    explicit CommandDevice(DeviceOffer offer, bool forced = false)
-        : inner_(makeDeviceSwitch(std::move(offer), scheduler_, {{}, true, forced})) {}
+    explicit CommandRenderer(DeviceOffer offer, bool forced = false)
+        : inner_(makeDeviceSet(std::move(offer), scheduler_, {{}, true, forced})) {}
     DeviceInfo info() const override { return inner_->info(); }
     DeviceInfo infoFor(const Settings& settings) const override { return inner_->infoFor(settings); }
     void load(std::shared_ptr<const Scene> scene, const Settings& settings, const Progress& progress) override {
         inner_->load(std::move(scene), settings, progress);
     }
     void prepare(const Settings& settings) override { inner_->prepare(settings); }
-    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
-        inner_->render(request, tiles, sink, stop);
+    ScheduleReport render(const FrameRequest& request, std::span<const Tile> tiles, ViewMemory& view, const TileSink& sink,
+                          std::stop_token stop) override {
+        return inner_->render(request, tiles, view, sink, stop);
     }
+    DepthAnswer depthAlong(const ViewRay& ray) override { return inner_->depthAlong(ray); }
 
 private:
     TileScheduler scheduler_;
-    std::unique_ptr<Device> inner_;
+    std::unique_ptr<Renderer> inner_;
 };
 
 }  // namespace
 
-std::unique_ptr<Device> makeDevice(const Settings& settings) {
+std::unique_ptr<Renderer> makeRenderer(const Settings& settings) {
     DeviceOffer offer = deviceOffer();
     const std::string word = Settings::choiceWord("device", settings.device);
     // The offer has what is here; asking for something else by name gives the driver's own answer why not.
     if (std::ranges::find(offer.words, word) == offer.words.end()) makeNamed(word);
-    return std::make_unique<CommandDevice>(std::move(offer));
+    return std::make_unique<CommandRenderer>(std::move(offer));
 }
 
 std::vector<std::string> hybridDevices() { return deviceOffer().team; }
 
-std::unique_ptr<Device> makeForcedPair(std::string& why) {
+std::unique_ptr<Renderer> makeForcedPair(std::string& why) {
     const std::vector<PhysicalDevice> devices = usableVulkanDevices();
     const auto cpu = std::ranges::find_if(devices, &PhysicalDevice::isCpu);
     if (cpu == devices.end()) why = "no Vulkan driver that computes on the processor";
@@ -95,7 +97,7 @@ std::unique_ptr<Device> makeForcedPair(std::string& why) {
         pinned.lastCoreOnly = true;
         return makeVulkanDevice(word.substr(word.find(':') + 1), pinned);
     };
-    return std::make_unique<CommandDevice>(std::move(offer), true);
+    return std::make_unique<CommandRenderer>(std::move(offer), true);
 }
 
 DeviceOffer deviceOffer(const std::vector<std::string>& only) {

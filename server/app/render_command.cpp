@@ -11,7 +11,6 @@
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
 #include "server/images/image_module.h"
-#include "server/schedule/frame_history.h"
 #include "server/render/frame_renderer.h"
 #include "server/film/stats.h"
 #include "server/scene/load/scene_source.h"
@@ -124,12 +123,11 @@ int runRender(const RenderOptions& options, std::ostream& out) {
         }
 
         watch.restart();
-        std::unique_ptr<Device> device = makeDevice(given.settings);
+        std::unique_ptr<Renderer> device = makeRenderer(given.settings);
         device->load(scene, given.settings, bar.progress());
         result.ms.build = watch.milliseconds();
 
         result.request = frameRequest(*scene, camera, given.settings, resolution, 1);
-        result.request.history = std::make_shared<FrameHistory>();
         result.request.previousCamera = previous;
         result.stats = renderFrame(*device, result.request, given.settings.samples, film, {}, bar.progress());
         result.ms.render = result.stats.milliseconds;

@@ -168,8 +168,8 @@ std::shared_ptr<ResidentScene> SceneCache::make(const std::string& name) {
     resident->scene = opener_(name, [&](const std::string& what, double share) { progress(what, OPENING_SHARE * share); });
     resident->reasons = explainEffects(*resident->scene);
     resident->effects = calledFor(resident->reasons);
-    resident->device = makeDevice_();
-    resident->device->load(resident->scene, settings_, [&](const std::string& what, double share) {
+    resident->renderer = makeDevice_();
+    resident->renderer->load(resident->scene, settings_, [&](const std::string& what, double share) {
         progress(what, OPENING_SHARE + (1.0 - OPENING_SHARE) * share);
     });
     return resident;

@@ -10,7 +10,7 @@ class SceneCache {
 public:
     using Opener = std::function<std::shared_ptr<const Scene>(const std::string& name, const Progress& progress)>;
     using Ended = std::function<void(const char* outcome)>;
-    using DeviceFactory = std::function<std::unique_ptr<Device>()>;
+    using DeviceFactory = std::function<std::unique_ptr<Renderer>()>;
 
     /// `settings` for the devices' load. At most `keep` scenes stay where they are not looked at; with `most` in use or on
     /// their way a further one is refused.

@@ -20,9 +20,9 @@ Service::Service(ServiceOptions options)
       cache_(
           options_.openScene,
           [this] {
-              DeviceSwitchOptions switching;
+              DeviceSetOptions switching;
               switching.notice = [this](const std::string& device, const std::string& what) { deviceFailed(device, what); };
-              return makeDeviceSwitch(options_.devices, scheduler_, std::move(switching));
+              return makeDeviceSet(options_.devices, scheduler_, std::move(switching));
           },
           options_.defaults,
           [this](const char* outcome) {

@@ -5,7 +5,7 @@
 #include "server/net/socket_server.h"
 #include "server/operations/liveness.h"
 #include "server/operations/readiness.h"
-#include "server/render/device_switch.h"
+#include "server/render/device_set.h"
 
 namespace heliograph {
 

@@ -1,5 +1,7 @@
 #include "server/film/cell_reach.h"
 
+#include <algorithm>
+
 namespace heliograph {
 
 namespace {
@@ -57,15 +59,27 @@ bool CellReach::endsAtOnce(const Tile& tile) const {
     return known == Known::ends || known == Known::guessed;
 }
 
-std::shared_ptr<CellReach> ReachOfView::of(const FrameRequest& request) {
+std::shared_ptr<CellReach> ReachOfViews::of(const FrameRequest& request) {
     const View view{request.camera, request.previousCamera, request.effects.bits, request.resolution};
-    if (!(view_ == view)) {
-        const bool moved = view_ && view_->effects == view.effects && view_->resolution == view.resolution &&
-                           nearby(view_->camera, view.camera);
-        reach_ = std::make_shared<CellReach>(request.resolution, moved ? reach_.get() : nullptr);
-        view_ = view;
+    std::lock_guard lock(mutex_);
+    const auto same = std::ranges::find(views_, view, [](const auto& known) -> const View& { return known.first; });
+    if (same != views_.end()) {
+        std::rotate(views_.begin(), same, same + 1);
+        return views_.front().second;
     }
-    return reach_;
+    const auto near = std::ranges::find_if(views_, [&](const auto& known) {
+        return known.first.effects == view.effects && known.first.resolution == view.resolution &&
+               nearby(known.first.camera, view.camera);
+    });
+    auto reach = std::make_shared<CellReach>(request.resolution, near != views_.end() ? near->second.get() : nullptr);
+    if (views_.size() == MOST) views_.pop_back();
+    views_.emplace_front(view, reach);
+    return reach;
+}
+
+void ReachOfViews::forget() {
+    std::lock_guard lock(mutex_);
+    views_.clear();
 }
 
 }  // namespace heliograph

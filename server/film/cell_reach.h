@@ -7,6 +7,9 @@
 #include "server/film/tile.h"
 
 #include <atomic>
+#include <deque>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -34,15 +37,17 @@ private:
     std::atomic<uint32_t> pitchX_{0}, pitchY_{0};    // of the tiles; squares; 0: none was noted
 };
 
-/// Of a viewer: the same while the view is the same (camera, effects, size), a new one when anything has moved. After a small
-/// move of the camera alone it begins with a guess.
-class ReachOfView {
+/// Of the views that were rendered last: the same while a view is the same (camera, effects, size), a new one when anything has
+/// moved. After a small move of the camera alone it begins with a guess. All from any thread.
+class ReachOfViews {
 public:
     std::shared_ptr<CellReach> of(const FrameRequest& request);
     /// The scene is another one.
-    void forget() { view_.reset(); }
+    void forget();
 
 private:
+    static constexpr size_t MOST = 16;  // some 30 kB each
+
     struct View {
         Camera camera;
         std::optional<Camera> before;
@@ -50,8 +55,8 @@ private:
         uvec2 resolution{0, 0};
         bool operator==(const View&) const = default;
     };
-    std::optional<View> view_;
-    std::shared_ptr<CellReach> reach_;
+    std::mutex mutex_;
+    std::deque<std::pair<View, std::shared_ptr<CellReach>>> views_;  // the latest first
 };
 
 }  // namespace heliograph

@@ -17,7 +17,7 @@ uvec2 cellCount(uvec2 resolution, uint32_t cellSize) {
 
 }  // namespace
 
-CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings, const Camera& camera, uvec2 resolution,
+CostMap recordCosts(Renderer& renderer, const Scene& scene, const Settings& settings, const Camera& camera, uvec2 resolution,
                     uint32_t frames, const Progress& progress) {
     CostMap map;
     map.scene = scene.name;
@@ -27,6 +27,7 @@ CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings
     Film film;
     film.reset(resolution, 0);
     const std::vector<Tile> tiles = film.tilesFor(0, 1, uvec2(map.cellSize));
+    ViewMemory view;
     std::mutex mutex;
     for (uint32_t i = 0; i < frames; i++) {
         if (!scene.paths.empty()) {
@@ -38,7 +39,8 @@ CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings
             std::lock_guard lock(mutex);
             costs[cell.y * map.cells.x + cell.x] = static_cast<float>(result.rays.total());
         };
-        device.render(request, tiles, sink, {});
+        view.costs.begin(resolution, uvec2(map.cellSize));
+        renderer.render(request, tiles, view, sink, {});
         map.frames.push_back(std::move(costs));
         report(progress, "recording the costs of " + scene.name, (i + 1.0) / frames);
     }

@@ -2,7 +2,7 @@
 // What each cell of real frames costs: rays by cell, recorded from a device that renders the scene. Counted, not timed,
 // so the same scene gives the same map on every machine.
 
-#include "server/device/device.h"
+#include "server/render/renderer.h"
 
 namespace heliograph {
 
@@ -16,7 +16,7 @@ struct CostMap {
 /// Renders `frames` frames of one sample per pixel; the camera moves along the scene's first path as in a flight of ten
 /// seconds at 30 frames a second, or rests where there is none. The device holds the scene already. Throws what the
 /// device throws.
-CostMap recordCosts(Device& device, const Scene& scene, const Settings& settings, const Camera& camera, uvec2 resolution,
+CostMap recordCosts(Renderer& renderer, const Scene& scene, const Settings& settings, const Camera& camera, uvec2 resolution,
                     uint32_t frames, const Progress& progress);
 
 /// The same map in cells of `factor` times the side.

@@ -35,9 +35,9 @@ Settings occluded(Settings settings) {
 }
 
 /// Renders one frame of one sample and notes what it cost.
-void time(Device& device, const FrameRequest& request, Film& film, bool counted, Timing& timing) {
+void time(Renderer& renderer, const FrameRequest& request, Film& film, bool counted, Timing& timing) {
     double core = processCpuSeconds();
-    FrameStats stats = renderFrame(device, request, 1, film);
+    FrameStats stats = renderFrame(renderer, request, 1, film);
     core = processCpuSeconds() - core;
     if (!counted) return;
     timing.wallMs.push_back(stats.milliseconds);
@@ -106,14 +106,14 @@ double medianRatio(const std::vector<double>& costs, const std::vector<const std
     return median(ratios);
 }
 
-DeviceBenchResult benchDevice(Device& device, RawBench* raw, std::shared_ptr<const Scene> scene,
+DeviceBenchResult benchDevice(Renderer& renderer, RawBench* raw, std::shared_ptr<const Scene> scene,
                               const DeviceBenchOptions& options, const Progress& progress) {
     DeviceBenchResult result;
     result.scene = scene->name;
     result.resolution = options.resolution;
     result.hasRaw = raw != nullptr;
     const Settings plain = primaryAndShadow(options.settings);
-    result.device = device.infoFor(plain).name;
+    result.device = renderer.infoFor(plain).name;
     auto requestOf = [&](const Settings& settings) {
         return frameRequest(*scene, options.camera, settings, options.resolution, 1);
     };
@@ -130,9 +130,9 @@ DeviceBenchResult benchDevice(Device& device, RawBench* raw, std::shared_ptr<con
                 note(times.ambientOcclusion, RayKind::ambientOcclusion, result.rawAmbientOcclusion);
             }
         }
-        time(device, frame, film, counted, result.frame);
-        time(device, single, film, counted, result.frameSingle);
-        time(device, ao, film, counted, result.frameOccluded);
+        time(renderer, frame, film, counted, result.frame);
+        time(renderer, single, film, counted, result.frameSingle);
+        time(renderer, ao, film, counted, result.frameOccluded);
         report(progress, "measuring " + result.device, static_cast<double>(i + 1) / (WARM_UP + options.repetitions));
     }
     return result;

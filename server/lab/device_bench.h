@@ -4,7 +4,7 @@
 // down all of them alike.
 
 #include "server/lab/raw_bench.h"
-#include "server/device/device.h"
+#include "server/render/renderer.h"
 #include "server/film/stats.h"
 
 namespace heliograph {
@@ -35,7 +35,7 @@ struct DeviceBenchResult {
 };
 
 /// The device holds the scene already. `raw` may be null: then there is nothing to compare with, and the result says so.
-DeviceBenchResult benchDevice(Device& device, RawBench* raw, std::shared_ptr<const Scene> scene,
+DeviceBenchResult benchDevice(Renderer& renderer, RawBench* raw, std::shared_ptr<const Scene> scene,
                               const DeviceBenchOptions& options, const Progress& progress);
 
 /// Median over the repetitions of `costs` divided by the sum of `parts` in the same repetition; 0 without repetitions.

@@ -17,13 +17,13 @@ using Pixels = std::vector<vec4>;
 /// Renders requests of one scene on one device, one sample a pixel.
 class Stopwatch {
 public:
-    explicit Stopwatch(Device& device) : device_(device) {}
+    explicit Stopwatch(Renderer& renderer) : renderer_(renderer) {}
 
     void time(const FrameRequest& request, Timing* timing) {
         FrameRequest numbered = request;
         numbered.generation = ++generation_;
         double core = processCpuSeconds();
-        FrameStats stats = renderFrame(device_, numbered, 1, film_);
+        FrameStats stats = renderFrame(renderer_, numbered, 1, film_);
         core = processCpuSeconds() - core;
         if (timing == nullptr) return;
         timing->wallMs.push_back(stats.milliseconds);
@@ -48,7 +48,7 @@ public:
     }
 
 private:
-    Device& device_;
+    Renderer& renderer_;
     Film film_;
     uint32_t generation_ = 0;
 };
@@ -114,21 +114,21 @@ PairedRatio ratioOf(const PairedTiming& timing, bool core) {
     return {percentile(ratios, 0.5), percentile(ratios, 0.25), percentile(ratios, 0.75)};
 }
 
-bool timedByCore(const Device& device, const Settings& settings) { return device.infoFor(settings).silicon == "cpu"; }
+bool timedByCore(const Renderer& renderer, const Settings& settings) { return renderer.infoFor(settings).silicon == "cpu"; }
 
-EffectBenchResult benchEffects(Device& device, const Scene& scene, const EffectBenchOptions& options,
+EffectBenchResult benchEffects(Renderer& renderer, const Scene& scene, const EffectBenchOptions& options,
                                const Progress& progress) {
     EffectBenchResult result;
     result.scene = scene.name;
-    result.device = device.infoFor(options.settings).name;
+    result.device = renderer.infoFor(options.settings).name;
     result.resolution = options.resolution;
     result.repetitions = options.repetitions;
-    result.core = timedByCore(device, options.settings);
+    result.core = timedByCore(renderer, options.settings);
     const std::vector<EffectReason> effects = explainEffects(scene);
     result.effects = effectNames({calledFor(effects).bits & allowedEffects(options.settings).bits});
     const std::vector<EffectPair> pairs = effectPairs(effects, baseRequest(options));
     for (const EffectPair& pair : pairs) result.rows.push_back({pair.effect, {}});
-    Stopwatch watch(device);
+    Stopwatch watch(renderer);
     const uint32_t rounds = WARM_UP + options.repetitions;
     for (uint32_t round = 0; round < rounds; round++) {
         for (size_t i = 0; i < pairs.size(); i++) {
@@ -154,14 +154,14 @@ bool EffectAgainstResult::within() const {
     return (sameScene() ? std::abs(more) : more) <= limit;
 }
 
-EffectCheckResult checkEffects(Device& device, const Scene& scene, const EffectBenchOptions& options, double limit,
+EffectCheckResult checkEffects(Renderer& renderer, const Scene& scene, const EffectBenchOptions& options, double limit,
                                const Progress& progress) {
     EffectCheckResult result;
     result.scene = scene.name;
-    result.device = device.infoFor(options.settings).name;
+    result.device = renderer.infoFor(options.settings).name;
     result.resolution = options.resolution;
     result.repetitions = options.repetitions;
-    result.core = timedByCore(device, options.settings);
+    result.core = timedByCore(renderer, options.settings);
     result.limit = limit;
     const std::vector<EffectReason> effects = explainEffects(scene);
     FrameRequest all = baseRequest(options);
@@ -176,7 +176,7 @@ EffectCheckResult checkEffects(Device& device, const Scene& scene, const EffectB
     for (const auto& [name, value] : allValues.items()) {
         if (value != fewValues.at(name)) result.switchedOff.push_back(name);
     }
-    Stopwatch watch(device);
+    Stopwatch watch(renderer);
     for (uint32_t round = 0; round < WARM_UP + options.repetitions; round++) {
         const bool counted = round >= WARM_UP;
         watch.pair(all, few, round, counted ? &result.time : nullptr);

@@ -32,7 +32,7 @@ PairedRatio ratioOf(const PairedTiming& timing, bool core);
 
 /// True for devices that are the processor itself: their processor time says more than wall time on a machine that does
 /// other work too.
-bool timedByCore(const Device& device, const Settings& settings);
+bool timedByCore(const Renderer& renderer, const Settings& settings);
 
 struct EffectBenchResult {
     struct Row {
@@ -49,7 +49,8 @@ struct EffectBenchResult {
 };
 
 /// The device holds the scene already. One round before the first is not counted.
-EffectBenchResult benchEffects(Device& device, const Scene& scene, const EffectBenchOptions& options, const Progress& progress);
+EffectBenchResult benchEffects(Renderer& renderer, const Scene& scene, const EffectBenchOptions& options,
+                               const Progress& progress);
 
 /// {scene, device, width, height, repetitions, time, effects, rows:[...]}: fields in docs/reference/benchmarks.md.
 nlohmann::ordered_json toJson(const EffectBenchResult& result);
@@ -73,7 +74,7 @@ struct EffectCheckResult {
 };
 
 /// The device holds the scene already. One round before the first is not counted.
-EffectCheckResult checkEffects(Device& device, const Scene& scene, const EffectBenchOptions& options, double limit,
+EffectCheckResult checkEffects(Renderer& renderer, const Scene& scene, const EffectBenchOptions& options, double limit,
                                const Progress& progress);
 
 nlohmann::ordered_json toJson(const EffectCheckResult& result);

@@ -7,10 +7,11 @@
 
 namespace heliograph {
 
-FrameBenchResult benchFrames(Device& device, const Scene& scene, const FrameBenchOptions& options, const Progress& progress) {
+FrameBenchResult benchFrames(Renderer& renderer, const Scene& scene, const FrameBenchOptions& options,
+                             const Progress& progress) {
     FrameBenchResult result;
     result.scene = scene.name;
-    result.device = device.info().name;
+    result.device = renderer.info().name;
     result.resolution = options.resolution;
     const CameraPath* path = scene.paths.empty() ? nullptr : &scene.paths.front();
     if (path != nullptr) result.path = path->name;
@@ -23,7 +24,7 @@ FrameBenchResult benchFrames(Device& device, const Scene& scene, const FrameBenc
         if (path != nullptr) {
             request.camera = cameraOnPath(*path, static_cast<double>(frame) / options.frames, options.camera.fieldOfView);
         }
-        FrameStats stats = renderFrame(device, request, 1, film);
+        FrameStats stats = renderFrame(renderer, request, 1, film);
         report(progress, "flying", static_cast<double>(i + 1) / total);
         if (i < options.warmUp) continue;
         result.milliseconds.push_back(stats.milliseconds);

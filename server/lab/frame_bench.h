@@ -27,7 +27,8 @@ struct FrameBenchResult {
 };
 
 /// Flies the scene's first path once, whatever the number of frames. The device holds the scene already.
-FrameBenchResult benchFrames(Device& device, const Scene& scene, const FrameBenchOptions& options, const Progress& progress);
+FrameBenchResult benchFrames(Renderer& renderer, const Scene& scene, const FrameBenchOptions& options,
+                             const Progress& progress);
 
 /// {scene, device, width, height, frames, ms_mean, ms_median, ms_p95, fps_mean, fps_min, mrays_per_s, rays}; rays are of
 /// all counted frames together.

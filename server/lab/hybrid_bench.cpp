@@ -1,7 +1,6 @@
 #include "server/lab/hybrid_bench.h"
 
 #include "server/base/clock.h"
-#include "server/render/device_switch.h"
 #include "server/request/device_rows.h"
 #include "server/film/film.h"
 #include "server/render/frame_renderer.h"
@@ -21,23 +20,21 @@ constexpr double BURST_SECONDS = 0.25;
 /// Renders frames of one pass and times them.
 class Stopwatch {
 public:
-    Stopwatch(Device& device, const Scene& scene, const HybridBenchOptions& options)
-        : device_(device), scene_(scene), options_(options), history_(std::make_shared<FrameHistory>()) {}
+    Stopwatch(Renderer& renderer, const Scene& scene, const HybridBenchOptions& options)
+        : renderer_(renderer), scene_(scene), options_(options) {}
 
     double frame(const Settings& settings) {
         FrameRequest request = frameRequest(scene_, options_.camera, settings, options_.resolution, ++generation_);
-        request.history = history_;
         const uvec2 cell = glm::min(tileSize(settings), options_.resolution);
         film_.reset(options_.resolution, request.generation);
         const std::vector<Tile> tiles = film_.tilesFor(0, options_.samples, cell);
-        history_->costs.begin(options_.resolution, cell);
-        history_->report = {};
+        view_.costs.begin(options_.resolution, cell);
         StopWatch watch;
-        device_.render(request, tiles, [&](TileResult&& result) { film_.add(result); }, {});
+        report_ = renderer_.render(request, tiles, view_, [&](TileResult&& result) { film_.add(result); }, {});
         const double ms = watch.milliseconds();
-        history_->costs.end();
+        view_.costs.end();
         if (film_.completedSamples() != options_.samples)
-            throw std::runtime_error("device " + device_.info().name + " left out tiles");
+            throw std::runtime_error("device " + renderer_.info().name + " left out tiles");
         return ms;
     }
     /// The last frame of a burst.
@@ -48,13 +45,14 @@ public:
         while (watch.seconds() < BURST_SECONDS);
         return ms;
     }
-    const ScheduleReport& report() const { return history_->report; }
+    const ScheduleReport& report() const { return report_; }
 
 private:
-    Device& device_;
+    Renderer& renderer_;
     const Scene& scene_;
     const HybridBenchOptions& options_;
-    std::shared_ptr<FrameHistory> history_;
+    ViewMemory view_;
+    ScheduleReport report_;
     Film film_;
     uint32_t generation_ = 0;
 };
@@ -131,10 +129,11 @@ double pairedRatio(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-HybridBenchResult benchHybrid(Device& device, const Scene& scene, const HybridBenchOptions& options, const Progress& progress) {
+HybridBenchResult benchHybrid(Renderer& renderer, const Scene& scene, const HybridBenchOptions& options,
+                              const Progress& progress) {
     HybridBenchResult result;
     result.samples = options.samples;
-    Stopwatch watch(device, scene, options);
+    Stopwatch watch(renderer, scene, options);
     double fastest = 1e30;
     for (const std::string& name : options.devices) {
         result.alone.push_back({name, {}, {}});

@@ -2,8 +2,7 @@
 // What devices reach together, beside each of them alone: ratio to the best one and to the sum of their rates, who made how
 // much, who waited, what the scheduler took. Repetitions are interleaved, so that a busy machine slows all of them alike.
 
-#include "server/device/device.h"
-#include "server/schedule/frame_history.h"
+#include "server/render/renderer.h"
 
 #include <nlohmann/json.hpp>
 
@@ -34,10 +33,11 @@ struct HybridBenchResult {
     std::vector<ScheduleReport> reports;  // of the frames together
 };
 
-/// `device` knows all words (makeDevice) and holds the scene. Each figure is the last frame of a burst of a quarter of a
+/// `renderer` knows all words (makeRenderer) and holds the scene. Each figure is the last frame of a burst of a quarter of a
 /// second: a GPU that had nothing to do is slow at first. Slow devices, five times slower than the fastest, are measured three
 /// times only. Throws what the device throws.
-HybridBenchResult benchHybrid(Device& device, const Scene& scene, const HybridBenchOptions& options, const Progress& progress);
+HybridBenchResult benchHybrid(Renderer& renderer, const Scene& scene, const HybridBenchOptions& options,
+                              const Progress& progress);
 
 /// Fields in docs/reference/benchmarks.md.
 nlohmann::ordered_json toJson(const HybridBenchResult& result);

@@ -134,8 +134,8 @@ std::optional<SchedulePolicy::Batch> OurPolicy::next(uint32_t worker, double now
     if (!chosen) return {};
     Batch batch{chosen->id, {}};
     batch.cells.reserve(chosen->last - chosen->first);
-    for (uint32_t i = chosen->first; i < chosen->last; i++) {
-        if (!balance_.isDelivered(balance_.order()[i])) batch.cells.push_back(balance_.order()[i]);
+    for (uint32_t cell : balance_.cells(*chosen)) {
+        if (!balance_.isDelivered(cell)) batch.cells.push_back(cell);
     }
     return batch;
 }

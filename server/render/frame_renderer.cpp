@@ -4,14 +4,15 @@
 
 namespace heliograph {
 
-FrameStats renderFrame(Device& device, const FrameRequest& request, uint32_t samples, Film& film, std::stop_token stop,
+FrameStats renderFrame(Renderer& renderer, const FrameRequest& request, uint32_t samples, Film& film, std::stop_token stop,
                        const Progress& progress) {
     PassRenderer passes;
     PassFigures figures;
+    ViewMemory view;
     const StopWatch watch;
     film.reset(request.resolution, request.generation);
     while (figures.passes < samples && !stop.stop_requested()) {
-        Pass pass{device, request, film, figures.passes, stop};
+        Pass pass{renderer, request, film, view, figures.passes, stop};
         if (progress) pass.progress = [&](double share) { report(progress, "rendering", (figures.passes + share) / samples); };
         if (!passes.render(pass, figures)) break;
     }
@@ -21,7 +22,7 @@ FrameStats renderFrame(Device& device, const FrameRequest& request, uint32_t sam
 FrameRequest frameRequest(const Scene& scene, const Camera& camera, const Settings& settings, uvec2 resolution,
                           uint32_t generation) {
     EffectSet effects{effectsOf(scene).bits & allowedEffects(settings).bits};
-    return {checkedCamera(camera), settings, effects, resolution, generation, std::nullopt, nullptr};
+    return {checkedCamera(camera), settings, effects, resolution, generation, std::nullopt};
 }
 
 }  // namespace heliograph

@@ -16,8 +16,8 @@ struct FrameStats {
 
 /// Resets the film and gives every pixel `samples` samples, one sample per pass over the tiles of the settings' size. Each
 /// pixel's sums grow in the same order whatever the tiles and threads, so equal requests give equal films bit for bit.
-/// The device holds the scene already. Ends early, with fewer samples, when `stop` is asked for. Throws what PassRenderer does.
-FrameStats renderFrame(Device& device, const FrameRequest& request, uint32_t samples, Film& film, std::stop_token stop = {},
+/// The renderer holds the scene already. Ends early, with fewer samples, when `stop` is asked for. Throws what PassRenderer does.
+FrameStats renderFrame(Renderer& renderer, const FrameRequest& request, uint32_t samples, Film& film, std::stop_token stop = {},
                        const Progress& progress = {});
 
 /// The request for a picture of `scene` at rest: effects follow from scene and settings.

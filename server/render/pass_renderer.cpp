@@ -1,6 +1,5 @@
 #include "server/render/pass_renderer.h"
 
-#include "server/schedule/frame_history.h"
 #include "server/request/device_rows.h"
 #include "server/request/view_request.h"
 
@@ -13,22 +12,6 @@ namespace heliograph {
 
 namespace {
 
-/// The report of a device that worked alone since `begin`.
-ScheduleReport aloneReport(const Partition& partition, double begin, uint32_t tiles) {
-    ScheduleReport report;
-    if (partition.devices.empty()) return report;
-    report.begin = begin;
-    report.end = wallSeconds();
-    report.seconds = report.end - begin;
-    report.batches = 1;
-    DeviceReport device;
-    device.name = partition.devices.back();
-    device.tiles = tiles;
-    report.devices.push_back(device);
-    report.workers.push_back({0, 0, {{begin, report.end, tiles, report.seconds}}});
-    return report;
-}
-
 void makeRoom(Film& film) {
     try {
         film.makeRoomForSums();
@@ -39,12 +22,12 @@ void makeRoom(Film& film) {
     }
 }
 
-void beginHistory(FrameHistory& history, const Pass& pass, uvec2 cell) {
-    history.costs.begin(pass.film.resolution(), cell);
-    history.report = {};
+void begin(ViewMemory& view, const Pass& pass, uvec2 cell) {
+    view.costs.begin(pass.film.resolution(), cell);
+    // Where one device renders all, the order of the tiles does not matter.
     const bool together = pass.request.settings.device == Settings::choice("device", "hybrid");
-    if (pass.firstSample < 2 || !together) history.errors.clear();
-    else if (std::has_single_bit(pass.firstSample)) history.errors = pass.film.cellErrors(cell);
+    if (pass.firstSample < 2 || !together) view.errors.clear();
+    else if (std::has_single_bit(pass.firstSample)) view.errors = pass.film.cellErrors(cell);
 }
 
 }  // namespace
@@ -59,16 +42,16 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
     const uvec2 cell = glm::min(tileSize(settings), pass.film.resolution());
     const std::vector<Tile> tiles = pass.film.tilesFor(pass.firstSample, 1, cell);
     if (pass.firstSample > 0) makeRoom(pass.film);
-    FrameHistory* history = pass.request.history.get();
-    if (history) beginHistory(*history, pass, cell);
+    begin(pass.view, pass, cell);
     std::shared_ptr<Partition> partition;
     if (settings.showPartition) {
         partition = std::make_shared<Partition>();
         partition->begin(pass.film.resolution(), cell);
     }
-    const uint32_t workers = pass.device.infoFor(settings).workers;
+    const uint32_t workers = pass.renderer.infoFor(settings).workers;
     figures.lastRays = {};
     figures.lastPassSeconds = 0.0;
+    figures.schedule = {};
     for (size_t done = 0; done < tiles.size();) {
         if (turns_ && !turn) {
             std::optional<Turns::Turn> next = take(pass.stop);
@@ -87,14 +70,10 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
         done += count;
     }
     if (pass.film.completedSamples() <= pass.firstSample) {
-        throw std::runtime_error("device " + pass.device.infoFor(settings).name + " left out tiles of a pass");
+        throw std::runtime_error("device " + pass.renderer.infoFor(settings).name + " left out tiles of a pass");
     }
     figures.passes++;
-    if (history) {
-        history->costs.end();
-        figures.schedule = history->report;
-        if (partition && !history->report.devices.empty()) partition->report = history->report;
-    }
+    pass.view.costs.end();
     figures.partition = std::move(partition);
     return true;
 }
@@ -108,16 +87,19 @@ double PassRenderer::renderSlice(const Pass& pass, std::span<const Tile> tiles, 
         std::lock_guard lock(mutex);
         figures.rays.add(result.rays);
         figures.lastRays.add(result.rays);
-        figures.tiles[result.device]++;
         figures.nonfiniteSamples += result.nonfiniteSamples;
         figures.coreSeconds += result.seconds;
-        figures.devices |= deviceBit(result.device);
         if (partition) partition->note(result.tile, result.device);
         if (pass.progress) pass.progress(static_cast<double>(++done) / static_cast<double>(all));
     };
     const double begin = wallSeconds();
-    pass.device.render(pass.request, tiles, sink, pass.stop);
-    if (partition) partition->report.append(aloneReport(*partition, begin, static_cast<uint32_t>(tiles.size())));
+    const ScheduleReport report = pass.renderer.render(pass.request, tiles, pass.view, sink, pass.stop);
+    for (const DeviceReport& device : report.devices) {
+        if (device.tiles == 0) continue;
+        figures.tiles[device.name] += device.tiles;
+        figures.devices |= deviceBit(device.name);
+    }
+    figures.schedule.append(report);
     return wallSeconds() - begin;
 }
 

@@ -1,10 +1,10 @@
 #pragma once
 // Passes: one sample for every pixel of a film. Frames of viewers, pictures, measurements and commands are all rendered here.
 
-#include "server/device/device.h"
 #include "server/film/film.h"
+#include "server/film/partition.h"
+#include "server/render/renderer.h"
 #include "server/render/turns.h"
-#include "server/schedule/partition.h"
 
 #include <map>
 
@@ -21,15 +21,16 @@ struct PassFigures {
     std::map<std::string, uint64_t> tiles;  // by device
     uint64_t nonfiniteSamples = 0;
     uint32_t devices = 0;     // bit set of docs/reference/protocol.md: 1 embree, 2 vulkan, 4 raster, 8 any other
-    ScheduleReport schedule;  // of the last pass; without devices where one device alone was asked for
+    ScheduleReport schedule;  // of the last pass
     std::shared_ptr<const Partition> partition;  // of the last pass, if the settings ask for it
 };
 
 /// What is to be rendered where.
 struct Pass {
-    Device& device;  // holds the scene
+    Renderer& renderer;  // holds the scene
     const FrameRequest& request;
     Film& film;                // of the request's size and generation
+    ViewMemory& view;          // of the request's view
     uint32_t firstSample = 0;  // samples that every pixel has
     std::stop_token stop = {};
     std::function<void(double share)> progress = {};  // of this pass; called from the device's threads, one at a time

@@ -8,6 +8,7 @@
 #include "server/schedule/frame_balance.h"
 #include "server/schedule/rate_book.h"
 #include "server/schedule/schedule_report.h"
+#include "server/render/calls_in_flight.h"
 #include "server/render/worker_crew.h"
 
 #include <atomic>
@@ -21,11 +22,10 @@ namespace heliograph {
 struct Participant {
     std::shared_ptr<Device> device;
     DeviceInfo info;
-    DevicePart part;      // as decided
-    BalanceDevice known;  // what is known of it
-    /// Calls of renderStream that have not come back; outlives the frame.
-    std::shared_ptr<std::atomic<uint32_t>> inside;
-    bool whole = false;  // its one worker is the whole device (`render`), not a stream
+    DevicePart part;                          // as decided
+    BalanceDevice known;                      // what is known of it
+    std::shared_ptr<CallsInFlight> inFlight;  // of the device
+    bool whole = false;                       // its one worker is the whole device (`render`), not a stream
 };
 
 /// What is to be made, and what is predicted of it.
@@ -73,6 +73,7 @@ private:
         double begin = 0.0;
     };
 
+    void begin();
     void startIdle();
     void serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, bool stay);
     void serveUnserved(std::unique_lock<std::mutex>& lock);
@@ -95,6 +96,8 @@ private:
     std::unique_ptr<std::atomic<Cell>[]> cells_;  // by tile
     std::vector<Made> made_;                      // by tile
     std::stop_source stop_;                       // of the devices
+    std::atomic<bool> sinkThrew_{false}, sinkFailed_{false};
+    std::exception_ptr sinkError_;  // the first, once sinkFailed_; ends the run
 
     std::mutex mutex_;  // of all below
     std::condition_variable_any changed_;
@@ -109,8 +112,7 @@ private:
     std::vector<std::pair<std::string, BatchRecord>> records_;
     /// Workers that have a batch, or may ask for one, and no thread.
     std::vector<std::pair<uint32_t, std::optional<FrameBalance::Batch>>> unserved_;
-    std::exception_ptr sinkError_;  // the first; ends the run
-    double wakeAt_ = 0.0;           // until when `wait` sleeps; 0: it does not
+    double wakeAt_ = 0.0;  // until when `wait` sleeps; 0: it does not
     bool over_ = false;
 };
 

@@ -3,12 +3,11 @@
 #include "server/base/clock.h"
 #include "server/request/device_rows.h"
 
-#include <future>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
-#include <system_error>
 
 namespace heliograph {
 
@@ -17,24 +16,23 @@ namespace {
 /// Deviation of cells' costs, as a share of their mean, below which predictions count as good: the camera rests.
 constexpr double AT_REST = 0.01;
 
-bool isGpuSide(const Candidate& candidate) {
-    const DeviceRow* row = deviceRow(candidate.info.name);
+bool isGpuSide(const DeviceInfo& info) {
+    const DeviceRow* row = deviceRow(info.name);
     return row && row->side == DeviceSide::gpu;
 }
 
 /// The order in which tiles are wanted: the noisiest first where that is known, else from the middle outwards.
-std::vector<uint32_t> wantedOrder(std::span<const Tile> tiles, const FrameHistory& history) {
+std::vector<uint32_t> wantedOrder(std::span<const Tile> tiles, const ViewMemory& view) {
     std::vector<uint32_t> noisy;
-    if (history.errors.size() == history.costs.fromCentre().size()) {
-        noisy.resize(history.errors.size());
+    if (view.errors.size() == view.costs.fromCentre().size()) {
+        noisy.resize(view.errors.size());
         std::iota(noisy.begin(), noisy.end(), 0u);
-        std::stable_sort(noisy.begin(), noisy.end(),
-                         [&](uint32_t a, uint32_t b) { return history.errors[a] > history.errors[b]; });
+        std::stable_sort(noisy.begin(), noisy.end(), [&](uint32_t a, uint32_t b) { return view.errors[a] > view.errors[b]; });
     }
-    const std::vector<uint32_t>& cells = noisy.empty() ? history.costs.fromCentre() : noisy;
+    const std::vector<uint32_t>& cells = noisy.empty() ? view.costs.fromCentre() : noisy;
     constexpr uint32_t NONE = UINT32_MAX;
     std::vector<uint32_t> tileOf(cells.size(), NONE), wanted;
-    for (uint32_t i = 0; i < tiles.size(); i++) tileOf[history.costs.cellAt(tiles[i].origin)] = i;
+    for (uint32_t i = 0; i < tiles.size(); i++) tileOf[view.costs.cellAt(tiles[i].origin)] = i;
     wanted.reserve(tiles.size());
     for (uint32_t cell : cells) {
         if (tileOf[cell] != NONE) wanted.push_back(tileOf[cell]);
@@ -53,27 +51,42 @@ std::vector<uint32_t> columnOrder(std::span<const Tile> tiles) {
     return order;
 }
 
-TileWork workOf(const FrameRequest& request, std::vector<Tile> tiles, const FrameHistory& history, const TileSink& sink) {
+/// The tiles in their given order.
+TileWork workOf(const FrameRequest& request, std::vector<Tile> tiles, const ViewMemory& view, const TileSink& sink) {
     TileWork work;
     work.request = request;
-    work.request.history = nullptr;  // it belongs to whoever asked
     work.sink = sink;
+    work.costs.reserve(tiles.size());
     for (const Tile& tile : tiles) {
         const auto samples = static_cast<float>(std::max(tile.sampleCount, 1u));
-        work.costs.push_back(samples * history.costs.predicted(history.costs.cellAt(tile.origin)));
-        work.deviation = history.costs.deviation() * samples;
+        work.costs.push_back(samples * view.costs.predicted(view.costs.cellAt(tile.origin)));
+        work.deviation = view.costs.deviation() * samples;
     }
+    work.order.resize(tiles.size());
+    std::iota(work.order.begin(), work.order.end(), 0u);
     work.tiles = std::move(tiles);
     return work;
 }
 
-void putInOrder(TileWork& work, double cost, const FrameHistory& history) {
-    work.order = wantedOrder(work.tiles, history);
-    if (work.deviation * static_cast<double>(work.tiles.size()) < AT_REST * cost) cheapestLast(work.order, work.costs);
+double costOf(const TileWork& work, std::span<const uint32_t> order) {
+    double cost = 0.0;
+    for (uint32_t tile : order) cost += work.costs[tile];
+    return cost;
+}
+
+/// Puts a part of the order in the order in which its tiles are wanted.
+void putInOrder(const TileWork& work, std::span<uint32_t> order, std::span<const uint32_t> wanted) {
+    std::vector<bool> ours(work.tiles.size(), false);
+    for (uint32_t tile : order) ours[tile] = true;
+    std::vector<uint32_t> sorted;
+    sorted.reserve(order.size());
+    std::ranges::copy_if(wanted, std::back_inserter(sorted), [&](uint32_t tile) { return ours[tile]; });
+    if (work.deviation * static_cast<double>(order.size()) < AT_REST * costOf(work, order)) cheapestLast(sorted, work.costs);
+    std::ranges::copy(sorted, order.begin());
 }
 
 Participant participantOf(const Candidate& candidate, const FrameRequest& request, const RateBook& rates, double now) {
-    Participant p{candidate.device, candidate.info, {}, {}, candidate.inside};
+    Participant p{candidate.device, candidate.info, {}, {}, candidate.inFlight};
     const RateBook::Rate learned = rates.rate(p.info.name, request.effects);
     BalanceDevice& known = p.known;
     known.name = p.info.name;
@@ -121,7 +134,7 @@ void keepCores(std::vector<Participant>& participants, const Settings& settings)
 /// A device that works alone is called once, if that suits it.
 void callOnce(std::vector<Participant>& participants) {
     for (Participant& p : participants) {
-        if (p.part.part != Part::works || !p.info.overlaps) continue;
+        if (p.part.part == Part::parked || !p.info.overlaps) continue;
         p.whole = true;
         p.known.rate *= p.known.workers;
         p.known.workers = 1;
@@ -147,158 +160,124 @@ bool anyProbes(const std::vector<Participant>& participants) {
 
 }  // namespace
 
-struct TileScheduler::Job {
-    const FrameRequest& request;
-    std::vector<Tile> tiles;
-    std::vector<Candidate> candidates;
-    FrameHistory& history;
-    const TileSink& sink;
-    std::stop_token stop;
+/// What is decided before a run begins.
+struct TileScheduler::Plan {
+    TileWork work;
+    std::vector<Participant> participants;
+    bool byHand = false;
+    HybridTrial* trial = nullptr;  // that the run is part of
 };
 
 /// All devices share all tiles.
-std::shared_ptr<TileRun> TileScheduler::automatic(const Job& job, ScheduleMemory& memory) {
-    const double now = wallSeconds();
-    TileWork work = workOf(job.request, job.tiles, job.history, job.sink);
-    const double cost = std::accumulate(work.costs.begin(), work.costs.end(), 0.0);
-    std::vector<Participant> participants;
-    for (const Candidate& c : job.candidates) {
-        if (c.blocked.empty()) participants.push_back(participantOf(c, job.request, memory.rates, now));
-    }
+void TileScheduler::shareAll(Plan& plan, bool forced, ScheduleMemory& memory, const ViewMemory& view) {
+    std::vector<Participant>& participants = plan.participants;
+    const double now = wallSeconds(), cost = costOf(plan.work, plan.work.order);
     decideParts(participants, cost);
-    keepCores(participants, job.request.settings);
-    HybridTrial* trial = nullptr;
-    const bool forced = std::ranges::any_of(job.candidates, &Candidate::forced);
+    keepCores(participants, plan.work.request.settings);
     if (!forced && workingCount(participants) > 1 && !anyProbes(participants)) {
         // Per effect set, samples a tile and size of the work: small parts of a frame profit less.
-        trial = &memory.trials[{job.request.effects.bits, job.tiles.front().sampleCount, std::ilogb(std::max(cost, 1.0))}];
-        if (!trial->together(now)) {
-            char reason[96] = "the best device is timed alone";
-            if (trial->measured()) {
-                std::snprintf(reason, sizeof reason, "measured: all together %+.1f %% against the best device alone",
-                              100.0 * trial->gain());
+        const uint32_t samples = plan.work.tiles.front().sampleCount;
+        plan.trial = &memory.trials[{plan.work.request.effects.bits, samples, std::ilogb(std::max(cost, 1.0))}];
+        if (!plan.trial->together(now)) {
+            std::string reason = "the best device is timed alone";
+            if (plan.trial->measured()) {
+                reason =
+                    fmt::format("measured: all together {:+.1f} % against the best device alone", 100.0 * plan.trial->gain());
             }
             parkAllButBest(participants, reason);
         }
     }
-    if (workingCount(participants) == 1 && !anyProbes(participants)) callOnce(participants);
-    if (std::ranges::any_of(participants, &Participant::whole)) {
-        work.order.resize(work.tiles.size());
-        std::iota(work.order.begin(), work.order.end(), 0u);
-    } else {
-        putInOrder(work, cost, job.history);
+    const bool alone = participants.size() == 1 || (workingCount(participants) == 1 && !anyProbes(participants));
+    if (alone) callOnce(participants);
+    if (!std::ranges::any_of(participants, &Participant::whole)) {
+        putInOrder(plan.work, plan.work.order, wantedOrder(plan.work.tiles, view));
     }
-    auto run = std::make_shared<TileRun>(std::move(work), std::move(participants), absentees(job.candidates));
-    run->render(crew_, job.stop, false);
-    const bool complete = run->failures().empty() && !job.stop.stop_requested();
-    double delivered = 0.0;
-    for (const DeviceReport& device : run->report().devices) delivered += device.cost;
-    if (trial && complete) trial->note(delivered, run->report().seconds, wallSeconds());
-    return run;
 }
 
-/// The picture is cut where the share says; each side works on its own part.
-std::vector<std::shared_ptr<TileRun>> TileScheduler::manual(const Job& job, ScheduleMemory& memory) {
-    const double now = wallSeconds();
-    const std::vector<uint32_t> order = columnOrder(job.tiles);
-    auto costOf = [&](uint32_t tile) { return job.history.costs.predicted(job.history.costs.cellAt(job.tiles[tile].origin)); };
-    double total = 0.0;
-    for (uint32_t tile : order) total += costOf(tile);
-    const bool sides[2] = {
-        std::ranges::any_of(job.candidates, [](const Candidate& c) { return c.blocked.empty() && !isGpuSide(c); }),
-        std::ranges::any_of(job.candidates, [](const Candidate& c) { return c.blocked.empty() && isGpuSide(c); })};
-    double share = 0.01 * job.request.settings.hybridShare;
+/// The picture is cut where the share says: each side has a range of the tiles, column by column.
+void TileScheduler::shareByHand(Plan& plan, const ViewMemory& view) {
+    TileWork& work = plan.work;
+    bool sides[2] = {false, false};
+    for (const Participant& p : plan.participants) sides[isGpuSide(p.info) ? 1 : 0] = true;
+    double share = 0.01 * work.request.settings.hybridShare;
     if (!sides[0]) share = 1.0;
     if (!sides[1]) share = 0.0;
-    std::vector<Tile> parts[2];
+    work.order = columnOrder(work.tiles);
+    const double total = costOf(work, work.order);
     double sum = 0.0;
-    for (uint32_t tile : order) {
-        const double cost = costOf(tile);
-        parts[sum + 0.5 * cost >= (1.0 - share) * total ? 1 : 0].push_back(job.tiles[tile]);
+    uint32_t cut = 0;
+    for (; cut < work.order.size(); cut++) {
+        const double cost = work.costs[work.order[cut]];
+        if (sum + 0.5 * cost >= (1.0 - share) * total) break;
         sum += cost;
     }
-    std::vector<std::shared_ptr<TileRun>> runs;
-    for (int side = 0; side < 2; side++) {
-        std::vector<Participant> participants;
-        for (const Candidate& c : job.candidates) {
-            if (isGpuSide(c) != (side == 1) || !c.blocked.empty()) continue;
-            participants.push_back(participantOf(c, job.request, memory.rates, now));
-            participants.back().known.forced = true;
-            participants.back().part = {participants.back().known.rate > 0.0 ? Part::works : Part::probes, ""};
+    const std::vector<uint32_t> wanted = wantedOrder(work.tiles, view);
+    putInOrder(work, std::span(work.order).first(cut), wanted);
+    putInOrder(work, std::span(work.order).subspan(cut), wanted);
+    for (Participant& p : plan.participants) {
+        p.known.forced = true;
+        p.part = {p.known.rate > 0.0 ? Part::works : Part::probes, ""};
+        p.part.range = isGpuSide(p.info) ? OrderRange{cut, UINT32_MAX} : OrderRange{0, cut};
+    }
+}
+
+/// Devices that failed are left out from now on. So are those that stopped in a run by hand, if somebody else answers: what their
+/// side could not do is shared by all.
+void TileScheduler::leaveOut(std::vector<Candidate>& candidates, const TileRun& run) {
+    for (const auto& [device, why] : run.failures()) {
+        for (Candidate& c : candidates) {
+            if (c.info.name == device) c.blocked = why;
         }
-        TileWork work = workOf(job.request, std::move(parts[side]), job.history, job.sink);
-        putInOrder(work, std::accumulate(work.costs.begin(), work.costs.end(), 0.0), job.history);
-        const std::vector<DeviceReport> absent = side == 0 ? absentees(job.candidates) : std::vector<DeviceReport>{};
-        runs.push_back(std::make_shared<TileRun>(std::move(work), std::move(participants), absent));
     }
-    std::exception_ptr errors[2];
-    auto renderSide = [&](int side) {
-        try {
-            runs[side]->render(crew_, job.stop, true);
-        } catch (...) {
-            errors[side] = std::current_exception();
-        }
-    };
-    std::promise<void> ended;
-    std::future<void> other = ended.get_future();
-    try {
-        crew_.run([&] {
-            renderSide(1);
-            ended.set_value();
-        });
-    } catch (const std::system_error&) {  // no thread to be had: one side after the other
-        renderSide(1);
-        ended.set_value();
+    auto answers = [](const Candidate& c) { return c.blocked.empty() && c.inFlight->count() == 0; };
+    if (std::ranges::none_of(candidates, answers)) return;
+    for (Candidate& c : candidates) {
+        if (c.blocked.empty() && !answers(c)) c.blocked = "has not answered for long";
     }
-    renderSide(0);
-    other.wait();
-    for (const std::exception_ptr& error : errors) {
-        if (error) std::rethrow_exception(error);
+}
+
+/// What the run tells about the devices' rates and the cells' costs.
+void TileScheduler::learn(const Plan& plan, const TileRun& run, const EffectSet& effects, bool complete, ScheduleMemory& memory,
+                          ViewMemory& view) {
+    for (const auto& [device, record] : run.records()) {
+        const std::string& name = device;
+        auto same = std::ranges::find_if(plan.participants, [&](const Participant& p) { return p.info.name == name; });
+        memory.rates.note(name, effects, record, same->info.batchSeconds);
     }
-    return runs;
+    run.noteCosts(view.costs);
+    const double now = wallSeconds();
+    memory.rates.endFrame(now);
+    double delivered = 0.0;
+    for (const DeviceReport& device : run.report().devices) delivered += device.cost;
+    if (plan.trial && complete) plan.trial->note(delivered, run.report().seconds, now);
 }
 
 ScheduleResult TileScheduler::render(const FrameRequest& request, std::span<const Tile> tiles,
-                                     std::vector<Candidate> candidates, ScheduleMemory& memory, const TileSink& sink,
-                                     std::stop_token stop) {
-    FrameHistory unknown;
-    FrameHistory& history = request.history ? *request.history : unknown;
-    if (!request.history) history.costs.begin(request.resolution, tiles.empty() ? uvec2(CELL_SIZE) : tiles.front().size);
+                                     std::vector<Candidate> candidates, ScheduleMemory& memory, ViewMemory& view,
+                                     const TileSink& sink, std::stop_token stop) {
     ScheduleResult result;
     result.missing.assign(tiles.begin(), tiles.end());
     bool byHand = request.settings.hybridBalance == Settings::choice("hybridBalance", "manual");
     while (!result.missing.empty() && !stop.stop_requested()) {
-        if (std::ranges::none_of(candidates, [](const Candidate& c) { return c.blocked.empty(); })) break;
-        const Job job{request, result.missing, candidates, history, sink, stop};
-        std::vector<std::shared_ptr<TileRun>> runs;
-        if (byHand) runs = manual(job, memory);
-        else runs.push_back(automatic(job, memory));
-        result.missing.clear();
-        for (const auto& run : runs) {
-            history.report.append(run->report());
-            for (const auto& [device, record] : run->records()) {
-                const std::string& name = device;
-                auto same = std::ranges::find_if(candidates, [&](const Candidate& c) { return c.info.name == name; });
-                memory.rates.note(name, request.effects, record, same->info.batchSeconds);
-            }
-            for (const auto& [device, why] : run->failures()) {
-                result.failures.emplace_back(device, why);
-                for (Candidate& c : candidates) {
-                    if (c.info.name == device) c.blocked = why;
-                }
-            }
-            run->noteCosts(history.costs);
-            const std::vector<Tile> missing = run->missing();
-            result.missing.insert(result.missing.end(), missing.begin(), missing.end());
+        Plan plan{workOf(request, std::move(result.missing), view, sink), {}, byHand && candidates.size() > 1};
+        const double now = wallSeconds();
+        for (const Candidate& c : candidates) {
+            if (c.blocked.empty()) plan.participants.push_back(participantOf(c, request, memory.rates, now));
         }
-        memory.rates.endFrame(wallSeconds());
-        // What a side could not do is for whoever answers; if nobody does, they are waited for.
+        if (plan.participants.empty()) {
+            result.missing = std::move(plan.work.tiles);
+            break;
+        }
+        if (plan.byHand) shareByHand(plan, view);
+        else shareAll(plan, std::ranges::any_of(candidates, &Candidate::forced), memory, view);
+        auto run = std::make_shared<TileRun>(std::move(plan.work), plan.participants, absentees(candidates));
+        run->render(crew_, stop, plan.byHand);
+        result.report.append(run->report());
+        result.failures.insert(result.failures.end(), run->failures().begin(), run->failures().end());
+        result.missing = run->missing();
+        learn(plan, *run, request.effects, run->failures().empty() && !stop.stop_requested(), memory, view);
+        leaveOut(candidates, *run);
         byHand = false;
-        auto answers = [](const Candidate& c) { return c.blocked.empty() && c.inside->load() == 0; };
-        if (std::ranges::none_of(candidates, answers)) continue;
-        for (Candidate& c : candidates) {
-            if (c.blocked.empty() && !answers(c)) c.blocked = "has not answered for long";
-        }
     }
     return result;
 }

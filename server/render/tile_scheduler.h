@@ -3,7 +3,7 @@
 // threads of all devices' streams and the turns by which viewers share them (turns.h). Who takes part and how much everyone
 // gets is decided by pure functions (balance.h, frame_balance.h; docs/reference/scheduling.md).
 
-#include "server/schedule/frame_history.h"
+#include "server/film/view_memory.h"
 #include "server/schedule/hybrid_trial.h"
 #include "server/schedule/rate_book.h"
 #include "server/render/tile_run.h"
@@ -17,10 +17,10 @@ namespace heliograph {
 /// A device that could take part in a frame.
 struct Candidate {
     std::shared_ptr<Device> device;
-    DeviceInfo info;                                // under the frame's settings
-    std::string blocked;                            // why it cannot take part now, one line; empty = it can
-    std::shared_ptr<std::atomic<uint32_t>> inside;  // as Participant's
-    bool forced = false;                            // takes part whatever it gains
+    DeviceInfo info;                          // under the frame's settings
+    std::string blocked;                      // why it cannot take part now, one line; empty = it can
+    std::shared_ptr<CallsInFlight> inFlight;  // of the device
+    bool forced = false;                      // takes part whatever it gains
 };
 
 /// What was learned of the devices of one scene. Of one frame at a time.
@@ -30,6 +30,7 @@ struct ScheduleMemory {
 };
 
 struct ScheduleResult {
+    ScheduleReport report;
     std::vector<Tile> missing;                                  // that nobody delivered: all devices failed, or it was stopped
     std::vector<std::pair<std::string, std::string>> failures;  // device, and how it failed
 };
@@ -39,20 +40,22 @@ public:
     /// `startThread`: see WorkerCrew.
     explicit TileScheduler(WorkerCrew::StartThread startThread = WorkerCrew::startDetached) : crew_(std::move(startThread)) {}
 
-    /// Renders the tiles, one cell each, on the candidates. The request's history, where there is one, tells what cells cost
-    /// and takes the report. Devices that fail are left out of the rest. The request's settings choose between automatic and
+    /// Renders the tiles, one cell each, on the candidates. The view's memory tells what cells cost, and learns it. Devices that fail are left out of the rest. The request's settings choose between automatic and
     /// manual balance. Throws what the sink threw; the devices are not blamed for that.
     ScheduleResult render(const FrameRequest& request, std::span<const Tile> tiles, std::vector<Candidate> candidates,
-                          ScheduleMemory& memory, const TileSink& sink, std::stop_token stop);
+                          ScheduleMemory& memory, ViewMemory& view, const TileSink& sink, std::stop_token stop);
 
     Turns& turns() { return turns_; }
     /// Threads for what is done beside frames: devices that get ready.
     WorkerCrew& crew() { return crew_; }
 
 private:
-    struct Job;
-    std::shared_ptr<TileRun> automatic(const Job& job, ScheduleMemory& memory);
-    std::vector<std::shared_ptr<TileRun>> manual(const Job& job, ScheduleMemory& memory);
+    struct Plan;
+    static void shareAll(Plan& plan, bool forced, ScheduleMemory& memory, const ViewMemory& view);
+    static void shareByHand(Plan& plan, const ViewMemory& view);
+    static void learn(const Plan& plan, const TileRun& run, const EffectSet& effects, bool complete, ScheduleMemory& memory,
+                      ViewMemory& view);
+    static void leaveOut(std::vector<Candidate>& candidates, const TileRun& run);
 
     Turns turns_;
     WorkerCrew crew_;

@@ -29,9 +29,16 @@ struct BalanceDevice {
 
 enum class Part { works, probes, parked };
 
+/// Positions [first, last) in the order of a frame's cells.
+struct OrderRange {
+    uint32_t first = 0, last = UINT32_MAX;  // beyond the end: to the end
+    bool operator==(const OrderRange&) const = default;
+};
+
 struct DevicePart {
     Part part = Part::works;
-    std::string reason;  // of probing and parking, one line for people
+    std::string reason;     // of probing and parking, one line for people
+    OrderRange range = {};  // of the cells that it may be given; all of them, unless chosen by hand
 };
 
 /// The shortest time in which the devices together could render `cost`, if it could be split at will: the smallest T

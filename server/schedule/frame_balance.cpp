@@ -26,6 +26,51 @@ void FrameBalance::begin(std::span<const BalanceDevice> devices, std::span<const
     assert(devices.size() == parts.size() && costs.size() == order.size());
     begin_ = now;
     deviation_ = deviation;
+    costs_.assign(costs.begin(), costs.end());
+    for (float& cost : costs_) cost = std::max(cost, std::numeric_limits<float>::min());
+    delivered_.assign(costs_.size(), 0);
+    again_.assign(costs_.size(), 0);
+    batches_.clear();
+    alarms_.clear();
+    undelivered_ = static_cast<uint32_t>(order.size());
+    beginPools(parts, order);
+    beginWorkers(devices, parts, now);
+    chooseAnchors();
+    for (Worker& worker : workers_) {
+        if (worker.state == State::works) count(worker, now);
+    }
+    guessRates(now);
+}
+
+/// One for each range; keeps their memory.
+void FrameBalance::beginPools(std::span<const DevicePart> parts, std::span<const uint32_t> order) {
+    const auto cells = static_cast<uint32_t>(order.size());
+    std::vector<OrderRange> ranges;
+    ranges_.clear();
+    for (const DevicePart& part : parts) {
+        const auto same = std::find(ranges.begin(), ranges.end(), part.range);
+        ranges_.push_back(static_cast<uint32_t>(same - ranges.begin()));
+        if (same == ranges.end()) ranges.push_back(part.range);
+    }
+    pools_.resize(ranges.size());
+    poolOf_.assign(costs_.size(), 0);
+    for (size_t i = 0; i < pools_.size(); i++) {
+        Pool& pool = pools_[i];
+        const uint32_t last = std::min(ranges[i].last, cells), first = std::min(ranges[i].first, last);
+        pool.order.assign(order.begin() + first, order.begin() + last);
+        for (uint32_t cell : pool.order) poolOf_[cell] = static_cast<uint8_t>(i);
+        pool.original = pool.order.size();
+        pool.prefix.resize(pool.original + 1);
+        pool.prefix[0] = 0.0;
+        for (size_t c = 0; c < pool.original; c++) pool.prefix[c + 1] = pool.prefix[c] + costs_[pool.order[c]];
+        pool.next = 0;
+        pool.cost = pool.prefix.back();
+        pool.undelivered = static_cast<uint32_t>(pool.original);
+        pool.table.reset(begin_, 0.0);
+    }
+}
+
+void FrameBalance::beginWorkers(std::span<const BalanceDevice> devices, std::span<const DevicePart> parts, double now) {
     workers_.clear();
     askOrder_.clear();
     for (uint32_t d = 0; d < devices.size(); d++) {
@@ -34,7 +79,7 @@ void FrameBalance::begin(std::span<const BalanceDevice> devices, std::span<const
         for (uint32_t other = 0; other < d && !device.silicon.empty() && silicon == d; other++) {
             if (devices[other].silicon == device.silicon) silicon = other;
         }
-        Worker worker{d, silicon, device.rate, device.spread, device.batchSeconds, 0.5 * device.roundTrip};
+        Worker worker{d, ranges_[d], silicon, device.rate, device.spread, device.batchSeconds, 0.5 * device.roundTrip};
         worker.freeAt = now;
         if (parts[d].part == Part::parked) worker.state = State::parked;
         if (parts[d].part == Part::probes) worker.state = device.rate > 0.0 ? State::samples : State::probes;
@@ -48,26 +93,6 @@ void FrameBalance::begin(std::span<const BalanceDevice> devices, std::span<const
         auto key = [&](const Worker& w) { return w.state == State::works ? w.rate : 0.0; };
         return key(workers_[a]) < key(workers_[b]);
     });
-    costs_.assign(costs.begin(), costs.end());
-    for (float& cost : costs_) cost = std::max(cost, std::numeric_limits<float>::min());
-    order_.assign(order.begin(), order.end());
-    original_ = order_.size();
-    prefix_.resize(original_ + 1);
-    prefix_[0] = 0.0;
-    for (size_t i = 0; i < original_; i++) prefix_[i + 1] = prefix_[i] + costs_[order_[i]];
-    delivered_.assign(original_, 0);
-    again_.assign(original_, 0);
-    batches_.clear();
-    alarms_.clear();
-    next_ = 0;
-    poolCost_ = prefix_.back();
-    undelivered_ = static_cast<uint32_t>(original_);
-    table_.reset(begin_, 0.0);
-    chooseAnchors();
-    for (Worker& worker : workers_) {
-        if (worker.state == State::works) count(worker, now);
-    }
-    guessRates(now);
 }
 
 /// Counts a worker from the time on at which it could deliver work beyond what it has in hand.
@@ -78,64 +103,69 @@ void FrameBalance::count(Worker& worker, double now, double notBefore) {
     const double asks = worker.inHandCount == MOST_IN_HAND ? std::max(now, batches_[worker.inHand[0]].batch.due) : now;
     worker.ready = std::max(worker.freeAt, asks + worker.half) + worker.batchSeconds + worker.half;
     worker.ready = std::max(worker.ready, notBefore);
-    table_.add(worker.counted(), worker.ready);
+    poolOf(worker).table.add(worker.counted(), worker.ready);
     worker.isCounted = true;
 }
 
 void FrameBalance::drop(Worker& worker) {
     if (!worker.isCounted) return;
-    table_.remove(worker.counted(), worker.ready);
+    poolOf(worker).table.remove(worker.counted(), worker.ready);
     worker.isCounted = false;
 }
 
-double FrameBalance::predictedEnd(double now) {
-    double end = table_.end(poolCost_, now);
-    for (int i = 0; i < 2 && table_.tooShort(end) && end < NEVER; i++) {  // the first guess of the slots is rough
-        table_.reset(begin_, 2.0 * (end - begin_));
+/// When all of a pool would end if predictions held.
+double FrameBalance::predictedEnd(Pool& pool, double now) {
+    double end = pool.table.end(pool.cost, now);
+    for (int i = 0; i < 2 && pool.table.tooShort(end) && end < NEVER; i++) {  // the first guess of the slots is rough
+        pool.table.reset(begin_, 2.0 * (end - begin_));
         for (const Worker& worker : workers_) {
-            if (worker.isCounted) table_.add(worker.counted(), worker.ready);
+            if (worker.isCounted && &poolOf(worker) == &pool) pool.table.add(worker.counted(), worker.ready);
         }
-        end = table_.end(poolCost_, now);
+        end = pool.table.end(pool.cost, now);
     }
     return end;
 }
 
 void FrameBalance::chooseAnchors() {
-    anchor_ = second_ = NOBODY;
-    uint32_t others = 0;
+    for (Pool& pool : pools_) {
+        pool.anchor = pool.second = NOBODY;
+        pool.lone = true;
+    }
     for (uint32_t w = 0; w < workers_.size(); w++) {
-        if (workers_[w].state == State::probes || workers_[w].state == State::samples) others++;
+        Pool& pool = poolOf(workers_[w]);
+        if (workers_[w].state == State::probes || workers_[w].state == State::samples) pool.lone = false;
         if (workers_[w].state != State::works) continue;
-        if (anchor_ == NOBODY || workers_[w].rate > workers_[anchor_].rate) {
-            second_ = anchor_;
-            anchor_ = w;
-        } else if (second_ == NOBODY || workers_[w].rate > workers_[second_].rate) {
-            second_ = w;
+        if (pool.anchor == NOBODY || workers_[w].rate > workers_[pool.anchor].rate) {
+            pool.second = pool.anchor;
+            pool.anchor = w;
+        } else if (pool.second == NOBODY || workers_[w].rate > workers_[pool.second].rate) {
+            pool.second = w;
         }
     }
-    lone_ = anchor_ != NOBODY && second_ == NOBODY && others == 0;
+    for (Pool& pool : pools_) pool.lone = pool.lone && pool.anchor != NOBODY && pool.second == NOBODY;
 }
 
 std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now) {
     Worker& worker = workers_[index];
     const bool able = worker.state != State::parked && worker.state != State::lost && worker.state != State::suspect;
     if (!able || worker.inHandCount == MOST_IN_HAND) return {};
-    while (next_ >= original_ && next_ < order_.size() && !again_[order_[next_]]) next_++;
-    if (next_ == order_.size()) return {};
+    Pool& pool = poolOf(worker);
+    while (pool.next >= pool.original && pool.next < pool.order.size() && !again_[pool.order[pool.next]]) pool.next++;
+    if (pool.next == pool.order.size()) return {};
     if (worker.state != State::works) {
         if (worker.inHandCount > 0) return {};
         return probe(index, now);
     }
     count(worker, now);
-    const double end = predictedEnd(now);
+    const double end = predictedEnd(pool, now);
     const double room = end - worker.ready;  // below 0: it would only just be ready when the rest is done
-    const double left = static_cast<double>(order_.size() - next_);
-    const BatchAnswer answer = batchCost({room, worker.rate, worker.spread, worker.batchSeconds, poolCost_ / left, deviation_});
+    const double left = static_cast<double>(pool.order.size() - pool.next);
+    const BatchAnswer answer = batchCost({room, worker.rate, worker.spread, worker.batchSeconds, pool.cost / left, deviation_});
     uint32_t last = endFor(worker, answer, room, OVERSHOOT * (end - begin_));
-    if (lone_) {
-        last = static_cast<uint32_t>(order_.size());  // there is nobody to hold anything back for
-    } else if (last == next_) {
-        if (index != anchor_) {
+    if (pool.lone) {
+        last = static_cast<uint32_t>(pool.order.size());  // there is nobody to hold anything back for
+    } else if (last == pool.next) {
+        if (index != pool.anchor) {
             // It asks again when the result of what it has in hand is here, and then waits for a whole round trip.
             if (worker.inHandCount == 0) drop(worker);
             else count(worker, now, worker.freeAt + 3.0 * worker.half + worker.batchSeconds);
@@ -148,45 +178,50 @@ std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now
     return batch;
 }
 
-/// Where in order_ a batch of the wanted cost ends. Whole cells can't hit the predicted end exactly: a batch may pass
+/// Where in pool.order a batch of the wanted cost ends. Whole cells can't hit the predicted end exactly: a batch may pass
 /// it by `allowed` seconds if that is nearer, and a single cell by what the fastest worker takes for it: whoever takes
 /// it when nobody has room any more, the frame ends no sooner.
 uint32_t FrameBalance::endFor(const Worker& worker, const BatchAnswer& answer, double room, double allowed) const {
-    const double target = prefix_[next_] + std::max(0.0, answer.cost);
-    auto first = prefix_.begin() + static_cast<std::ptrdiff_t>(next_) + 1;
-    auto last = static_cast<uint32_t>(std::upper_bound(first, prefix_.end(), target) - prefix_.begin()) - 1;
-    if (last + 1 >= prefix_.size()) return last;
-    if (last == next_) allowed = std::max(allowed, (prefix_[last + 1] - prefix_[last]) / workers_[anchor_].rate);
-    const double over = prefix_[last + 1] - target, under = target - prefix_[last];
-    const double overEnd = (prefix_[last + 1] - prefix_[next_]) / worker.rate - room;
-    if (overEnd <= allowed && (over < under || last == next_)) last++;
+    const Pool& pool = poolOf(worker);
+    const double target = pool.prefix[pool.next] + std::max(0.0, answer.cost);
+    auto first = pool.prefix.begin() + static_cast<std::ptrdiff_t>(pool.next) + 1;
+    auto last = static_cast<uint32_t>(std::upper_bound(first, pool.prefix.end(), target) - pool.prefix.begin()) - 1;
+    if (last + 1 >= pool.prefix.size()) return last;
+    if (last == pool.next)
+        allowed = std::max(allowed, (pool.prefix[last + 1] - pool.prefix[last]) / workers_[pool.anchor].rate);
+    const double over = pool.prefix[last + 1] - target, under = target - pool.prefix[last];
+    const double overEnd = (pool.prefix[last + 1] - pool.prefix[pool.next]) / worker.rate - room;
+    if (overEnd <= allowed && (over < under || last == pool.next)) last++;
     return last;
 }
 
 /// Where the anchor's smallest batch ends: its work outweighs its fixed cost, and it holds a cell at least.
 uint32_t FrameBalance::leastFor(const Worker& worker) const {
-    auto first = prefix_.begin() + static_cast<std::ptrdiff_t>(next_) + 1;
-    auto above = std::upper_bound(first, prefix_.end(), prefix_[next_] + worker.rate * worker.batchSeconds);
-    return std::max(static_cast<uint32_t>(above - prefix_.begin()) - 1, static_cast<uint32_t>(next_) + 1);
+    const Pool& pool = poolOf(worker);
+    auto first = pool.prefix.begin() + static_cast<std::ptrdiff_t>(pool.next) + 1;
+    auto above = std::upper_bound(first, pool.prefix.end(), pool.prefix[pool.next] + worker.rate * worker.batchSeconds);
+    return std::max(static_cast<uint32_t>(above - pool.prefix.begin()) - 1, static_cast<uint32_t>(pool.next) + 1);
 }
 
-/// Takes order_[next_, last) out of the pool; returns the predicted cost of what was still wanted there.
-double FrameBalance::take(uint32_t last) {
-    const size_t exact = std::clamp(original_, next_, static_cast<size_t>(last));
-    double cost = prefix_[exact] - prefix_[next_];
+/// Takes pool.order[pool.next, last) out of the pool; returns the predicted cost of what was still wanted there.
+double FrameBalance::take(Pool& pool, uint32_t last) {
+    const size_t exact = std::clamp(pool.original, pool.next, static_cast<size_t>(last));
+    double cost = pool.prefix[exact] - pool.prefix[pool.next];
     for (size_t i = exact; i < last; i++) {
-        if (again_[order_[i]]) cost += costs_[order_[i]];
-        again_[order_[i]] = 0;
+        if (again_[pool.order[i]]) cost += costs_[pool.order[i]];
+        again_[pool.order[i]] = 0;
     }
-    next_ = last;
-    poolCost_ = next_ == order_.size() ? 0.0 : std::max(0.0, poolCost_ - cost);
+    pool.next = last;
+    pool.cost = pool.next == pool.order.size() ? 0.0 : std::max(0.0, pool.cost - cost);
     return cost;
 }
 
 FrameBalance::Batch FrameBalance::issue(uint32_t index, uint32_t last, double now) {
     Worker& worker = workers_[index];
-    Batch batch{static_cast<uint32_t>(batches_.size()), index, static_cast<uint32_t>(next_), last};
-    batch.cost = take(last);
+    Pool& pool = poolOf(worker);
+    Batch batch{static_cast<uint32_t>(batches_.size()), index, static_cast<uint32_t>(pool.next), last};
+    batch.fresh = static_cast<uint32_t>(std::clamp(pool.original, pool.next, size_t(last)) - pool.next);
+    batch.cost = take(pool, last);
     batch.due = NEVER;
     const double start = std::max(worker.freeAt, now + worker.half);
     if (worker.rate > 0.0) {
@@ -203,25 +238,27 @@ FrameBalance::Batch FrameBalance::issue(uint32_t index, uint32_t last, double no
 /// A batch of unknown length is doubted when the rest of the frame is done.
 void FrameBalance::setAlarm(const Batch& batch, double now) {
     const Worker& worker = workers_[batch.worker];
+    Pool& pool = poolOf(worker);
     const bool known = worker.rate > 0.0;
-    const uint32_t helper = batch.worker == anchor_ ? second_ : anchor_;
+    const uint32_t helper = batch.worker == pool.anchor ? pool.second : pool.anchor;
     double at = (known ? batch.due : now) + STALL_LIMIT;
     if (helper != NOBODY) {
         const Worker& other = workers_[helper];
         const double again = 2.0 * other.half + other.batchSeconds + batch.cost / other.rate;
         at = std::min(at, known ? overdueAt(batch.due, batch.seconds, worker.spread, again)
-                                : std::max(predictedEnd(now), now + 2.0 * again));
+                                : std::max(predictedEnd(pool, now), now + 2.0 * again));
     }
     alarms_.push_back({at, batch.id});
     std::push_heap(alarms_.begin(), alarms_.end(), later);
 }
 
 FrameBalance::Batch FrameBalance::probe(uint32_t index, double now) {
-    const double cost = PROBE_SHARE * prefix_[original_] / static_cast<double>(askOrder_.size());
-    auto first = prefix_.begin() + static_cast<std::ptrdiff_t>(next_) + 1;
-    auto above = std::upper_bound(first, prefix_.end(), prefix_[next_] + cost);
-    auto last = static_cast<uint32_t>(above - prefix_.begin()) - 1;
-    return issue(index, std::max(last, static_cast<uint32_t>(next_) + 1), now);
+    const Pool& pool = poolOf(workers_[index]);
+    const double cost = PROBE_SHARE * pool.prefix[pool.original] / static_cast<double>(askOrder_.size());
+    auto first = pool.prefix.begin() + static_cast<std::ptrdiff_t>(pool.next) + 1;
+    auto above = std::upper_bound(first, pool.prefix.end(), pool.prefix[pool.next] + cost);
+    auto last = static_cast<uint32_t>(above - pool.prefix.begin()) - 1;
+    return issue(index, std::max(last, static_cast<uint32_t>(pool.next) + 1), now);
 }
 
 double FrameBalance::askAt(uint32_t index) const {
@@ -233,9 +270,11 @@ bool FrameBalance::deliver(uint32_t cell) {
     if (delivered_[cell]) return false;
     delivered_[cell] = 1;
     undelivered_--;
+    Pool& pool = pools_[poolOf_[cell]];
+    pool.undelivered--;
     if (again_[cell]) {  // it had gone back, and its first maker answered after all
         again_[cell] = 0;
-        poolCost_ = std::max(0.0, poolCost_ - costs_[cell]);
+        pool.cost = std::max(0.0, pool.cost - costs_[cell]);
     }
     return true;
 }
@@ -281,19 +320,19 @@ void FrameBalance::learnRate(const Worker& measured, const Entry& entry, double 
     guessRates(now);
 }
 
-/// Workers that are still being measured count as fast as the mean of the others, so that those don't take all.
+/// Workers that are still being measured count as fast as the mean of the others in their pool, so that those don't take all.
 void FrameBalance::guessRates(double now) {
-    double sum = 0.0;
-    uint32_t known = 0;
+    std::vector<double> sum(pools_.size(), 0.0);
+    std::vector<uint32_t> known(pools_.size(), 0);
     for (const Worker& worker : workers_) {
         if (worker.state != State::works) continue;
-        sum += worker.rate;
-        known++;
+        sum[worker.pool] += worker.rate;
+        known[worker.pool]++;
     }
     for (Worker& worker : workers_) {
-        if (worker.state != State::probes || known == 0) continue;
+        if (worker.state != State::probes || known[worker.pool] == 0) continue;
         drop(worker);
-        worker.guess = sum / known;
+        worker.guess = sum[worker.pool] / known[worker.pool];
         count(worker, now);
     }
 }
@@ -303,14 +342,15 @@ bool FrameBalance::giveBack(uint32_t id) {
     Entry& entry = batches_[id];
     if (entry.returned) return false;
     entry.returned = true;
+    Pool& pool = poolOf(workers_[entry.batch.worker]);
     bool any = false;
     for (uint32_t i = entry.batch.first; i < entry.batch.last; i++) {
-        const uint32_t cell = order_[i];
+        const uint32_t cell = pool.order[i];
         if (delivered_[cell] || again_[cell]) continue;
-        order_.push_back(cell);
-        prefix_.push_back(prefix_.back() + costs_[cell]);
+        pool.order.push_back(cell);
+        pool.prefix.push_back(pool.prefix.back() + costs_[cell]);
         again_[cell] = 1;
-        poolCost_ += costs_[cell];
+        pool.cost += costs_[cell];
         any = true;
     }
     return any;
@@ -331,26 +371,58 @@ bool FrameBalance::lose(uint32_t index) {
     return waiting();
 }
 
+void FrameBalance::callParked(bool all) {
+    for (uint32_t pool = 0; pool < pools_.size(); pool++) callParked(pool, all);
+    chooseAnchors();
+}
+
 /// When nobody works any more, those that were left out step in. Unless `all`, not those that share processors with one that
 /// is only late: where a machine is busy with something else, they would take what is left of it.
-void FrameBalance::callParked(bool all) {
-    auto working = [](const Worker& w) { return w.state == State::works || w.state == State::probes; };
+void FrameBalance::callParked(uint32_t pool, bool all) {
+    auto working = [&](const Worker& w) { return w.pool == pool && (w.state == State::works || w.state == State::probes); };
     if (std::any_of(workers_.begin(), workers_.end(), working)) return;
     auto late = [&](uint32_t silicon) {
         return std::any_of(workers_.begin(), workers_.end(),
                            [&](const Worker& w) { return w.state == State::suspect && w.silicon == silicon; });
     };
     for (Worker& worker : workers_) {
-        if (worker.state != State::parked && worker.state != State::samples) continue;
+        if (worker.pool != pool || (worker.state != State::parked && worker.state != State::samples)) continue;
         if (!all && late(worker.silicon)) continue;
         worker.state = worker.rate > 0.0 ? State::works : State::probes;
     }
-    chooseAnchors();
+}
+
+bool FrameBalance::waiting() const {
+    return std::any_of(pools_.begin(), pools_.end(), [](const Pool& p) { return p.cost > 0.0 && p.next < p.order.size(); });
+}
+
+std::span<const uint32_t> FrameBalance::cells(const Batch& batch) const {
+    return std::span(poolOf(workers_[batch.worker]).order).subspan(batch.first, batch.last - batch.first);
+}
+
+/// Whether cells lack, and no worker that may have them passes the test.
+template <typename Test>
+bool FrameBalance::lacksFor(Test able) const {
+    std::vector<bool> served(pools_.size(), false);
+    for (const Worker& worker : workers_) {
+        if (able(worker)) served[worker.pool] = true;
+    }
+    bool lacks = false;
+    for (size_t i = 0; i < pools_.size(); i++) {
+        if (pools_[i].undelivered == 0) continue;
+        if (served[i]) return false;
+        lacks = true;
+    }
+    return lacks || (pools_.empty() && undelivered_ > 0);
 }
 
 bool FrameBalance::hopeless() const {
-    auto lost = [](const Worker& w) { return w.state == State::lost; };
-    return undelivered_ > 0 && std::all_of(workers_.begin(), workers_.end(), lost);
+    return lacksFor([](const Worker& w) { return w.state != State::lost; });
+}
+
+bool FrameBalance::stuck() const {
+    return lacksFor(
+        [](const Worker& w) { return w.state == State::works || w.state == State::probes || w.state == State::samples; });
 }
 
 double FrameBalance::nextOverdue() {

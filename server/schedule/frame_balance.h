@@ -20,11 +20,12 @@ public:
     /// Batches that a worker may have at once: at the end they are shorter than a round trip.
     static constexpr uint32_t MOST_IN_HAND = 4;
 
-    /// Cells order()[first, last) for a worker. Cells that were delivered meanwhile are to be left out (`isDelivered`).
+    /// Cells for a worker (`cells`). Those that were delivered meanwhile are to be left out (`isDelivered`).
     struct Batch {
         uint32_t id = 0;
         uint32_t worker = 0;
         uint32_t first = 0, last = 0;
+        uint32_t fresh = 0;    // of them, from the first on, that nobody had before
         double cost = 0.0;     // predicted
         double due = 0.0;      // when its result should be here; infinite if the worker's rate is unknown
         double seconds = 0.0;  // predicted, at the device, fixed cost included; 0 if unknown
@@ -32,7 +33,8 @@ public:
 
     /// Begins a frame; keeps its memory. `costs`: predicted, by cell, > 0 (a cell of no cost counts as the least
     /// float); `deviation`: what they are usually wrong by (see costDeviation). `order`: the cells in the order in
-    /// which they are wanted. `parts` as from chooseParts. `now` in seconds, on the clock of all later calls.
+    /// which they are wanted. `parts` as from chooseParts; their ranges are the same or have no cell in common, and cells that
+    /// are in none of them are rendered by nobody. `now` in seconds, on the clock of all later calls.
     void begin(std::span<const BalanceDevice> devices, std::span<const DevicePart> parts, std::span<const float> costs,
                double deviation, std::span<const uint32_t> order, double now);
 
@@ -71,15 +73,15 @@ public:
 
     bool isDelivered(uint32_t cell) const { return delivered_[cell] != 0; }
     uint32_t undelivered() const { return undelivered_; }
-    /// Whether cells lack and every worker is lost.
+    /// Whether cells lack and every worker that may have them is lost.
     bool hopeless() const;
+    /// Whether cells lack and every worker that may have them is lost, left out, or owes an overdue batch.
+    bool stuck() const;
     bool done() const { return undelivered_ == 0; }
     /// Whether cells wait for a worker.
-    bool waiting() const { return poolCost_ > 0.0 && next_ < order_.size(); }
-    std::span<const uint32_t> order() const { return order_; }
+    bool waiting() const;
+    std::span<const uint32_t> cells(const Batch& batch) const;
     const Batch& batch(uint32_t id) const { return batches_[id].batch; }
-    /// When all would end if predictions held.
-    double predictedEnd(double now);
 
 private:
     /// probes: rate unknown, gets one small batch first. samples: gets one small batch to be measured again, no more.
@@ -87,13 +89,14 @@ private:
     enum class State : uint8_t { works, probes, samples, suspect, parked, lost };
     struct Worker {
         uint32_t device = 0;
+        uint32_t pool = 0;
         uint32_t silicon = 0;                                             // number of the first device on the same silicon
         double rate = 0.0, spread = 0.0, batchSeconds = 0.0, half = 0.0;  // half: of the round trip
         double guess = 0.0;                                               // of the rate while it is unknown
         double freeAt = 0.0;                                              // at the device, predicted
-        double ready = 0.0;                                               // as counted in table_
+        double ready = 0.0;                                               // as counted in the pool's table
         State state = State::works;
-        bool isCounted = false;  // in table_
+        bool isCounted = false;  // in the pool's table
         std::array<uint32_t, MOST_IN_HAND> inHand{};
         uint32_t inHandCount = 0;
 
@@ -112,12 +115,28 @@ private:
         bool again = false;  // it was doubted before, and has still not come
     };
 
+    /// The cells of one range and those who share them.
+    struct Pool {
+        std::vector<uint32_t> order;  // cells; those that went back are appended
+        std::vector<double> prefix;   // cost of order[0, i)
+        size_t original = 0;          // of order, as it was given
+        size_t next = 0;              // order[next...) waits
+        double cost = 0.0;            // of what waits
+        uint32_t undelivered = 0;
+        ReadyTable table;
+        uint32_t anchor = 0, second = 0;  // the fastest two workers; the first never declines
+        bool lone = false;                // the first is the only one
+    };
+
+    void beginWorkers(std::span<const BalanceDevice> devices, std::span<const DevicePart> parts, double now);
+    void beginPools(std::span<const DevicePart> parts, std::span<const uint32_t> order);
+    double predictedEnd(Pool& pool, double now);
     void count(Worker& worker, double now, double notBefore = 0.0);
     void drop(Worker& worker);
     void chooseAnchors();
     bool giveBack(uint32_t batch);
     uint32_t endFor(const Worker& worker, const BatchAnswer& answer, double room, double allowed) const;
-    double take(uint32_t last);
+    double take(Pool& pool, uint32_t last);
     Batch issue(uint32_t worker, uint32_t last, double now);
     Batch probe(uint32_t worker, double now);
     void setAlarm(const Batch& batch, double now);
@@ -125,24 +144,24 @@ private:
     void learnRate(const Worker& measured, const Entry& entry, double now);
     void guessRates(double now);
     void callParked(bool all);
+    void callParked(uint32_t pool, bool all);
+    template <typename Test>
+    bool lacksFor(Test able) const;
+    Pool& poolOf(const Worker& worker) { return pools_[worker.pool]; }
+    const Pool& poolOf(const Worker& worker) const { return pools_[worker.pool]; }
 
     std::vector<Worker> workers_;
     std::vector<uint32_t> askOrder_;
     std::vector<float> costs_;
-    std::vector<uint32_t> order_;  // cells; those that went back are appended
-    std::vector<double> prefix_;   // cost of order_[0, i)
+    std::vector<Pool> pools_;
+    std::vector<uint32_t> ranges_;  // by device: its pool
+    std::vector<uint8_t> poolOf_;   // by cell
     std::vector<uint8_t> delivered_;
     std::vector<uint8_t> again_;  // by cell: went back and waits
     std::vector<Entry> batches_;
     std::vector<Alarm> alarms_;  // heap, soonest first
-    size_t original_ = 0;        // order_ as it was given
-    size_t next_ = 0;            // order_[next_...) waits
-    double poolCost_ = 0.0;
     uint32_t undelivered_ = 0;
-    ReadyTable table_;
     double begin_ = 0.0, deviation_ = 0.0;
-    uint32_t anchor_ = 0, second_ = 0;  // the fastest two workers; the first never declines
-    bool lone_ = false;                 // the first is the only one
 };
 
 }  // namespace heliograph

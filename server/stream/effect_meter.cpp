@@ -98,7 +98,7 @@ std::optional<EffectCosts> EffectMeter::measured(const Order& order, std::stop_t
         rounds.push_back({pair.off, {}, {}});
     }
     const size_t frames = rounds.size() * (REPETITIONS + 1);
-    order.scene->device->prepare(base.settings);  // others go on rendering meanwhile
+    order.scene->renderer->prepare(base.settings);  // others go on rendering meanwhile
     passes_.forget();
     RayCounts rays;
     std::optional<double> seconds;
@@ -119,7 +119,8 @@ std::optional<EffectCosts> EffectMeter::measured(const Order& order, std::stop_t
             listener_({order.number, static_cast<double>(done + 1) / static_cast<double>(frames), std::nullopt, ""});
         }
     }
-    EffectCosts costs{order.name, order.scene->device->infoFor(base.settings).name, size, pixelsOf(film) / pixelsOf(size), {}};
+    EffectCosts costs{
+        order.name, order.scene->renderer->infoFor(base.settings).name, size, pixelsOf(film) / pixelsOf(size), {}};
     size_t next = 1;
     for (const EffectPair& pair : pairs) {
         const Round& on = rounds[pair.differs() ? next : 0];
@@ -135,7 +136,7 @@ std::optional<double> EffectMeter::frame(const Order& order, FrameRequest reques
     request.generation = ++generation_;
     film_->reset(request.resolution, request.generation);
     PassFigures figures;
-    if (!passes_.render({*order.scene->device, request, *film_, 0, std::move(stop)}, figures)) return std::nullopt;
+    if (!passes_.render({*order.scene->renderer, request, *film_, memory_, 0, std::move(stop)}, figures)) return std::nullopt;
     rays.add(figures.rays);
     return figures.lastPassSeconds;
 }

@@ -65,6 +65,7 @@ private:
     PassRenderer passes_;
     const std::function<void(News&&)> listener_;
     std::optional<Film> film_;  // while it measures
+    ViewMemory memory_;
     uint32_t generation_ = 0;
 
     std::mutex mutex_;  // of all below

@@ -12,7 +12,7 @@ namespace heliograph {
 /// A scene that a device holds, ready to be rendered.
 struct ResidentScene {
     std::shared_ptr<const Scene> scene;
-    std::shared_ptr<Device> device;
+    std::shared_ptr<Renderer> renderer;
     std::vector<EffectReason> reasons;  // explainEffects of the scene
     EffectSet effects;                  // that it calls for
 };

@@ -47,7 +47,7 @@ void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene, const std::option
         sceneChanged_ = true;
         retry_ = true;
         focusAsked_.reset();
-        pictureAsked_ .reset();
+        pictureAsked_.reset();
         if (pass_.running) pass_.stop.request_stop();
     });
 }
@@ -128,7 +128,7 @@ uint64_t FrameLoop::takeNews() {
 
 bool FrameLoop::step() {
     if (std::optional<FocusRequest> asked = std::exchange(focus_, std::nullopt); asked && resident_) {
-        receiver_.focused(*asked, resident_->device->depthAlong(asked->ray));
+        receiver_.focused(*asked, resident_->renderer->depthAlong(asked->ray));
     }
     const LoopAction action = next(state());
     switch (action) {
@@ -189,11 +189,11 @@ void FrameLoop::renderFilm() {
     pictureTurn_ = true;
     const uint32_t first = film_.samples();
     std::stop_token cancelled = beginPass(*film_.view(), first, true);
-    resident_->device->prepare(film_.view()->settings);  // others go on rendering meanwhile
+    resident_->renderer->prepare(film_.view()->settings);  // others go on rendering meanwhile
     std::optional<Turns::Turn> turn = passes_.take(cancelled);
     if (!turn) return endPass(false);
     if (first == 0) useLatestRequest();
-    const bool completed = film_.renderPass(passes_, *resident_->device, cancelled, std::move(turn));
+    const bool completed = film_.renderPass(passes_, *resident_->renderer, cancelled, std::move(turn));
     endPass(completed);
     if (completed && run_ && first == 0) run_->path.frameDone(secondsBetween(run_->begin, Clock::now()));
 }
@@ -213,7 +213,7 @@ void FrameLoop::useLatestRequest() {
 void FrameLoop::renderPicture() {
     pictureTurn_ = false;
     std::stop_token cancelled = beginPass(picture_->view(), picture_->samples(), false);
-    endPass(picture_->renderPass(passes_, *resident_->device, cancelled));
+    endPass(picture_->renderPass(passes_, *resident_->renderer, cancelled));
 }
 
 void FrameLoop::deliverPicture() {

@@ -165,16 +165,16 @@ std::string statsMessage(const ViewerStats& s) {
     return text(message);
 }
 
-std::string partitionMessage(uint32_t frameId, const Partition& p) {
+std::string partitionMessage(uint32_t frameId, const Partition& p, const ScheduleReport& schedule) {
     constexpr char DIGITS[] = "0123456789abcdefghijklmnopqrstuvwxyz";
     std::string cells;
     for (uint8_t maker : p.makers) cells += maker < sizeof DIGITS - 1 ? DIGITS[maker] : '.';
     json workers = json::array();
-    auto ms = [&](double at) { return 1e3 * finite(at - p.report.begin); };
-    for (const WorkerReport& worker : p.report.workers) {
+    auto ms = [&](double at) { return 1e3 * finite(at - schedule.begin); };
+    for (const WorkerReport& worker : schedule.workers) {
         json batches = json::array();
         for (const WorkerReport::Span& span : worker.batches) batches.push_back({ms(span.begin), ms(span.end), span.tiles});
-        workers.push_back({{"device", p.report.devices[worker.device].name}, {"worker", worker.stream}, {"batches", batches}});
+        workers.push_back({{"device", schedule.devices[worker.device].name}, {"worker", worker.stream}, {"batches", batches}});
     }
     return text({{"type", "partition"},
                  {"frameId", frameId},
@@ -184,7 +184,7 @@ std::string partitionMessage(uint32_t frameId, const Partition& p) {
                  {"cellHeight", p.cellSize.y},
                  {"devices", p.devices},
                  {"cells", cells},
-                 {"timeline", {{"ms", ms(p.report.end)}, {"workers", workers}}}});
+                 {"timeline", {{"ms", ms(schedule.end)}, {"workers", workers}}}});
 }
 
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result) {

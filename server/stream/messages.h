@@ -4,7 +4,8 @@
 #include "server/request/effect_rules.h"
 #include "server/net/protocol.h"
 #include "server/stream/effect_meter.h"
-#include "server/schedule/partition.h"
+#include "server/film/partition.h"
+#include "server/schedule/schedule_report.h"
 #include "server/stream/path_run.h"
 #include "server/film/tile.h"
 #include "server/scene/load/scene_source.h"
@@ -44,7 +45,7 @@ std::string sceneFailedMessage(const std::string& name, const std::string& why);
 std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);
 std::string statsMessage(const ViewerStats& stats);
 /// Who made which part of a frame.
-std::string partitionMessage(uint32_t frameId, const Partition& partition);
+std::string partitionMessage(uint32_t frameId, const Partition& partition, const ScheduleReport& schedule);
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result);
 std::string effectCostsMeasuringMessage(double share);
 std::string effectCostsReadyMessage(const EffectCosts& costs);

@@ -10,14 +10,12 @@ PictureJob::PictureJob(const PictureOrder& order, const ResidentScene& scene, Vi
     view_.settings.renderScale = 1.0f;
     film_ = filmServes ? film.film() : film.extra(filmSize(view_));
     request_ = requestFor(scene, view_, film_->generation(), std::nullopt);
-    request_.history = std::make_shared<FrameHistory>();
 }
 
 PictureState PictureJob::state() const { return samples() < target_ ? PictureState::unfinished : PictureState::finished; }
 
-bool PictureJob::renderPass(PassRenderer& passes, Device& device, std::stop_token stop) {
-    request_.reach = reach_.of(request_);
-    return passes.render({device, request_, *film_, samples(), std::move(stop)}, figures_);
+bool PictureJob::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop) {
+    return passes.render({renderer, request_, *film_, memory_, samples(), std::move(stop)}, figures_);
 }
 
 FinishedFrame PictureJob::frame(const Scene& scene) const {

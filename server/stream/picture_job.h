@@ -1,7 +1,6 @@
 #pragma once
 // A picture that was asked for beside the frames of a view: full resolution, as many samples as the view's film has.
 
-#include "server/film/cell_reach.h"
 #include "server/stream/view_film.h"
 
 namespace heliograph {
@@ -16,7 +15,7 @@ public:
     const ViewRequest& view() const { return view_; }
     uint32_t samples() const { return film_->completedSamples(); }
     /// One sample more. False when it was given up.
-    bool renderPass(PassRenderer& passes, Device& device, std::stop_token stop);
+    bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
     FinishedFrame frame(const Scene& scene) const;
 
 private:
@@ -25,7 +24,7 @@ private:
     std::shared_ptr<Film> film_;
     uint32_t target_ = 1;  // samples
     FrameRequest request_;
-    ReachOfView reach_;
+    ViewMemory memory_;
     PassFigures figures_;
 };
 

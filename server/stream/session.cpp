@@ -360,7 +360,7 @@ void Session::tick(Clock::time_point now) {
     if (now - statsAt_ < STATS_EVERY || !scene_) return;
     ViewerStats stats = viewer_.takeStats(std::chrono::duration<double>(now - statsAt_).count(), loop_.used());
     statsAt_ = now;
-    if (stats.device.empty()) stats.device = scene_->device->info().name;
+    if (stats.device.empty()) stats.device = scene_->renderer->info().name;
     stats.viewers = viewers;
     stats.residentBytes = residentBytes();
     viewer_.say(statsMessage(stats));

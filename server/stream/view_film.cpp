@@ -19,8 +19,7 @@ FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uin
 
 void ViewFilm::forget() {
     view_.reset();
-    history_->costs.forget();
-    reach_.forget();
+    memory_.costs.forget();
 }
 
 bool ViewFilm::shows(const ViewRequest& request) const {
@@ -34,17 +33,16 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
         film_.reset();
         film_ = films_.next(filmSize(request), ++generation_);
         request_ = requestFor(scene, request, generation_, before);
-        request_.history = history_;
         samples_ = deliveredSamples_ = 0;
         figures_.devices = 0;  // what a pass that was given up left behind is not in this film
     }
     view_ = request;
 }
 
-bool ViewFilm::renderPass(PassRenderer& passes, Device& device, std::stop_token stop, std::optional<Turns::Turn> turn) {
+bool ViewFilm::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn) {
     if (samples_ == 0) inputSeconds_ = std::chrono::duration<double>(Clock::now() - view_->received).count();
-    request_.reach = reach_.of(request_);
-    if (!passes.render({device, request_, *film_, samples_, std::move(stop)}, figures_, std::move(turn))) return false;
+    if (!passes.render({renderer, request_, *film_, memory_, samples_, std::move(stop)}, figures_, std::move(turn)))
+        return false;
     samples_ = film_->completedSamples();
     return true;
 }

@@ -1,11 +1,9 @@
 #pragma once
 // The film of a view and what its viewer was sent of it. Used by the view's thread alone.
 
-#include "server/film/cell_reach.h"
 #include "server/film/film_pool.h"
 #include "server/render/pass_renderer.h"
 #include "server/request/loop_rules.h"
-#include "server/schedule/frame_history.h"
 #include "server/stream/finished_frame.h"
 
 namespace heliograph {
@@ -28,7 +26,7 @@ public:
     /// std::runtime_error without memory for one; there is no film then.
     void show(const ResidentScene& scene, const ViewRequest& request);
     /// One sample more. False when it was given up.
-    bool renderPass(PassRenderer& passes, Device& device, std::stop_token stop, std::optional<Turns::Turn> turn);
+    bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn);
     /// How far it is and what the viewer has of it.
     Delivery delivery() const;
     /// The film as a frame, which then counts as delivered. `path`: part of a run along the camera path.
@@ -51,8 +49,7 @@ private:
     uint32_t samples_ = 0;       // per pixel, finished
     double inputSeconds_ = 0.0;  // from the input to the start of the first pass
     PassFigures figures_;        // since the last frame
-    std::shared_ptr<FrameHistory> history_ = std::make_shared<FrameHistory>();
-    ReachOfView reach_;
+    ViewMemory memory_;
     uint32_t deliveredSamples_ = 0;
     bool finalDelivered_ = false;
     ViewRequest deliveredView_;

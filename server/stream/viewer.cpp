@@ -89,7 +89,8 @@ void Viewer::send(EncodedFrame&& frame) {
         metrics_.framesSent++;
         metrics_.frameBytesSent += frame.picture.bytes.size() - SOCKET_HEADROOM;
         metrics_.stages[Metrics::input].add(1e-6 * frame.header.inputMicros);
-        if (frame.figures.partition) socket_->sendText(partitionMessage(frame.header.frameId, *frame.figures.partition));
+        if (frame.figures.partition)
+            socket_->sendText(partitionMessage(frame.header.frameId, *frame.figures.partition, frame.figures.schedule));
     }
     if (std::optional<uint32_t> replaced = socket_->sendPicture(std::move(frame.picture))) {
         metrics_.framesReplaced++;

@@ -2,7 +2,7 @@
 // What the parts of the benchmark for GPU machines share. Each part returns its JSON.
 
 #include "server/device/vulkan/core/vulkan_context.h"
-#include "server/render/frame_renderer.h"
+#include "tests/support/direct_renderer.h"
 
 #include <nlohmann/json.hpp>
 

@@ -6,7 +6,7 @@
 #include "server/lab/effect_bench.h"
 #include "server/lab/hybrid_bench.h"
 #include "server/film/cell_reach.h"
-#include "server/render/device_switch.h"
+#include "server/render/device_set.h"
 #include "server/scene/generate/generate.h"
 
 #include <algorithm>
@@ -37,14 +37,15 @@ DeviceOffer offerOf(const Options& options, const std::string& gpu) {
 }
 
 /// A frame of the scene's first viewpoint.
-FrameStats shown(Device& device, const Scene& scene, const Settings& settings, uvec2 size) {
+template <typename Renders>
+FrameStats shown(Renders& device, const Scene& scene, const Settings& settings, uvec2 size) {
     static uint32_t generation = 0;
     FrameRequest request = frameRequest(scene, cameraFrom(scene.cameras.front()), settings, size, ++generation);
     Film film;
     return renderFrame(device, request, 1, film);
 }
 
-ordered_json switchedOn(Device& device, const Scene& scene, const EffectReason& effect, const std::string& gpu, uvec2 size) {
+ordered_json switchedOn(Renderer& device, const Scene& scene, const EffectReason& effect, const std::string& gpu, uvec2 size) {
     Settings off;
     off.set("device", gpu);
     off.set(effect.setting, false);
@@ -122,8 +123,8 @@ ordered_json benchTogether(const Options& options) {
         if (!options.scene.empty() && options.scene != name) continue;
         auto scene = generated(name);
         const DeviceOffer offer = offerOf(options, gpu);
-        auto device = makeDeviceSwitch(offer, scheduler, {{}, true, false});
-        auto forced = makeDeviceSwitch(offer, scheduler, {{}, true, true});
+        auto device = makeDeviceSet(offer, scheduler, {{}, true, false});
+        auto forced = makeDeviceSet(offer, scheduler, {{}, true, true});
         HybridBenchOptions wanted;
         wanted.camera = cameraFrom(scene->cameras.front());
         wanted.resolution = options.size;
@@ -163,7 +164,8 @@ ordered_json benchEffectCosts(const Options& options) {
         bench.resolution = options.size;
         bench.repetitions = std::min(options.repetitions, 9u);
         device->load(scene, bench.settings, {});
-        json["scenes"][recipe.name] = toJson(benchEffects(*device, *scene, bench, {}));
+        test::DirectRenderer renderer(*device);
+        json["scenes"][recipe.name] = toJson(benchEffects(renderer, *scene, bench, {}));
     }
     return json;
 }
@@ -173,35 +175,38 @@ ordered_json benchReach(const Options& options) {
     for (const char* name : {"effects/no-mirror", "effects/small-mirror", "courtyard", "cathedral", "glass"}) {
         if (!wanted(options, name)) continue;
         auto scene = generated(name);
-        auto device = makeVulkanDevice(options.device, vulkanOptions(options));
+        const auto reach = std::make_shared<ReachOfViews>(), nothing = std::make_shared<ReachOfViews>();
+        auto device = makeVulkanDevice(options.device, vulkanOptions(options), reach);
+        auto unknowing = makeVulkanDevice(options.device, vulkanOptions(options), nothing);
         device->load(scene, {}, {});
+        unknowing->load(scene, {}, {});
         for (bool occlusion : {false, true}) {
             Settings settings;
             settings.ambientOcclusion = occlusion;
-            FrameRequest blind = frameRequest(*scene, cameraFrom(scene->cameras.front()), settings, options.size, 1);
-            FrameRequest knowing = blind;
-            knowing.reach = std::make_shared<CellReach>(options.size);
-            device->warmUp(blind);
+            FrameRequest request = frameRequest(*scene, cameraFrom(scene->cameras.front()), settings, options.size, 1);
+            device->warmUp(request);
+            unknowing->warmUp(request);
             Film film;  // gives the tiles and takes nothing: the host's part is left out
             film.reset(options.size, 1);
             const std::vector<Tile> tiles = film.tilesFor(0, 1, tileSize(settings));
             uint64_t rays[2] = {0, 0};
-            auto milliseconds = [&](const FrameRequest& request, uint64_t& count) {
+            auto milliseconds = [&](Device& with, uint64_t& count) {
                 std::atomic<uint64_t> sum{0};
                 const double begin = now();
-                device->render(request, tiles, [&](TileResult&& result) { sum += result.rays.total(); }, {});
+                with.render(request, tiles, [&](TileResult&& result) { sum += result.rays.total(); }, {});
                 count = sum;
                 return 1e3 * (now() - begin);
             };
-            for (const double warm = now() + 0.5; now() < warm;) milliseconds(knowing, rays[0]);
+            for (const double warm = now() + 0.5; now() < warm;) milliseconds(*device, rays[0]);
             std::vector<double> ms[2], ratios;
             for (uint32_t i = 0; i < options.repetitions; i++) {
-                ms[0].push_back(milliseconds(blind, rays[0]));
-                ms[1].push_back(milliseconds(knowing, rays[1]));
+                nothing->forget();
+                ms[0].push_back(milliseconds(*unknowing, rays[0]));
+                ms[1].push_back(milliseconds(*device, rays[1]));
                 ratios.push_back(ms[1].back() / ms[0].back());
             }
-            const auto single =
-                std::count_if(tiles.begin(), tiles.end(), [&](const Tile& tile) { return knowing.reach->endsAtOnce(tile); });
+            const auto single = std::count_if(tiles.begin(), tiles.end(),
+                                              [&](const Tile& tile) { return reach->of(request)->endsAtOnce(tile); });
             json[name].push_back({{"ambient_occlusion", occlusion},
                                   {"ms_without", percentile(ms[0], 0.5)},
                                   {"ms_with", percentile(ms[1], 0.5)},
@@ -210,7 +215,6 @@ ordered_json benchReach(const Options& options) {
                                   {"rays", rays[0]},
                                   {"same_rays", rays[0] == rays[1]}});
             // The same while the camera turns by half a degree a frame, to and fro.
-            ReachOfView reaches;
             ratios.clear();
             ms[0].clear();
             ms[1].clear();
@@ -218,12 +222,11 @@ ordered_json benchReach(const Options& options) {
             for (uint32_t i = 0; i < 2 * options.repetitions; i++) {
                 const float angle = 0.00873f * static_cast<float>(i % 20 < 10 ? i % 20 : 20 - i % 20);
                 const vec3 forward = cameraFrom(scene->cameras.front()).forward;
-                blind.camera.forward = vec3(forward.x * std::cos(angle) + forward.z * std::sin(angle), forward.y,
-                                            forward.z * std::cos(angle) - forward.x * std::sin(angle));
-                knowing.camera = blind.camera;
-                knowing.reach = reaches.of(knowing);
-                ms[0].push_back(milliseconds(blind, rays[0]));
-                ms[1].push_back(milliseconds(knowing, rays[1]));
+                request.camera.forward = vec3(forward.x * std::cos(angle) + forward.z * std::sin(angle), forward.y,
+                                              forward.z * std::cos(angle) - forward.x * std::sin(angle));
+                nothing->forget();
+                ms[0].push_back(milliseconds(*unknowing, rays[0]));
+                ms[1].push_back(milliseconds(*device, rays[1]));
                 ratios.push_back(ms[1].back() / ms[0].back());
                 same = same && rays[0] == rays[1];
             }
@@ -243,7 +246,7 @@ ordered_json benchSwitches(const Options& options) {
     for (const char* name : {"courtyard", "glass", "effects/soft-shadows"}) {
         if (!wanted(options, name)) continue;
         auto scene = generated(name);
-        auto device = makeDeviceSwitch(offerOf(options, gpu), scheduler);
+        auto device = makeDeviceSet(offerOf(options, gpu), scheduler);
         Settings settings;
         settings.set("device", gpu);
         device->load(scene, settings, {});

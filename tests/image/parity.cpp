@@ -11,7 +11,7 @@
 #include "server/device/embree/embree_device.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/encode/png_encoder.h"
-#include "server/render/frame_renderer.h"
+#include "tests/support/direct_renderer.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/support/effect_views.h"
 #include "tests/support/places.h"

@@ -2,7 +2,7 @@
 // Small pictures of small scenes on the CPU device, and where a ray of the camera goes, in double: what image tests compare.
 
 #include "server/device/embree/embree_device.h"
-#include "server/render/frame_renderer.h"
+#include "tests/support/direct_renderer.h"
 #include "tests/support/bodies.h"
 
 #include <cmath>

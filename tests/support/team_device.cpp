@@ -28,6 +28,7 @@ DeviceInfo TeamDevice::info() const {
     DeviceInfo info{name_, "for tests", silicon_, streams_};
     info.streams = streams_;
     info.batchSeconds = 1e-6;
+    info.overlaps = overlaps;
     return info;
 }
 

@@ -40,6 +40,7 @@ public:
     std::atomic<double> stamp{1e-4};      // seconds that it claims for a tile
     std::atomic<int> spins{0};            // work a tile
     std::atomic<bool> failsToLoad{false};
+    bool overlaps = false;              // see DeviceInfo
     std::atomic<bool> cold{false};      // until it is warmed up
     std::atomic<bool> standsBy{false};  // serves when cold, too
     std::atomic<uint32_t> tiles{0}, calls{0}, loads{0}, warmUps{0}, standBys{0};

@@ -3,6 +3,7 @@
 #include "server/base/error.h"
 #include "tests/support/until.h"
 
+#include "tests/support/direct_renderer.h"
 #include <gtest/gtest.h>
 
 namespace heliograph {
@@ -90,7 +91,7 @@ struct Source {
         };
     }
     SceneCache::DeviceFactory devices() {
-        return [] { return std::make_unique<IdleDevice>(); };
+        return [] { return std::make_unique<test::DirectRenderer>(std::make_shared<IdleDevice>()); };
     }
 };
 

@@ -24,7 +24,11 @@ const std::string OURS = "Sec-WebSocket-Protocol: heliograph.v1\r\n";
 
 class GreyDevice : public Device {
 public:
-    DeviceInfo info() const override { return {"embree", "for tests", "none", 1}; }
+    DeviceInfo info() const override {
+        DeviceInfo info{"embree", "for tests", "none", 1};
+        info.overlaps = true;  // as the real ones: called once, from the thread of the view
+        return info;
+    }
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override {}
     void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         for (const Tile& tile : tiles) {

@@ -53,15 +53,15 @@ TEST(CellReach, TilesOutsideOfTheViewAreUnknown) {
 }
 
 /// Of a picture of 5 x 4 tiles whose tile in the middle of the left column went on.
-std::shared_ptr<CellReach> mirrorAtTheLeft(ReachOfView& reaches, const FrameRequest& request) {
+std::shared_ptr<CellReach> mirrorAtTheLeft(ReachOfViews& reaches, const FrameRequest& request) {
     const auto reach = reaches.of(request);
     for (uint32_t y = 0; y < 128; y += 32)
         for (uint32_t x = 0; x < 160; x += 32) reach->note(resultAt(x, y, x == 0 && y == 64 ? 1 : 0));
     return reach;
 }
 
-TEST(ReachOfView, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
-    ReachOfView reaches;
+TEST(ReachOfViews, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
+    ReachOfViews reaches;
     FrameRequest request = requestOf(uvec2(160, 128));
     mirrorAtTheLeft(reaches, request);
     request.camera.position.x += 0.1f;
@@ -77,10 +77,10 @@ TEST(ReachOfView, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
     EXPECT_FALSE(reaches.of(request)->endsAtOnce(tileAt(64, 64))) << "it was never looked at";
 }
 
-TEST(ReachOfView, NothingIsGuessedAfterAJumpOrAnotherChange) {
+TEST(ReachOfViews, NothingIsGuessedAfterAJumpOrAnotherChange) {
     const FrameRequest first = requestOf(uvec2(160, 128));
     const auto guessedAfter = [&](auto change) {
-        ReachOfView reaches;
+        ReachOfViews reaches;
         FrameRequest request = first;
         mirrorAtTheLeft(reaches, request);
         change(request);
@@ -95,8 +95,8 @@ TEST(ReachOfView, NothingIsGuessedAfterAJumpOrAnotherChange) {
     EXPECT_FALSE(guessedAfter([](FrameRequest& r) { r.resolution = uvec2(161, 128); }));
 }
 
-TEST(ReachOfView, LastsUntilSomethingChanges) {
-    ReachOfView reaches;
+TEST(ReachOfViews, LastsUntilSomethingChanges) {
+    ReachOfViews reaches;
     const FrameRequest first = requestOf();
     const auto keptAfter = [&](const FrameRequest& second) {
         const auto before = reaches.of(first);
@@ -118,6 +118,21 @@ TEST(ReachOfView, LastsUntilSomethingChanges) {
     const auto before = reaches.of(first);
     reaches.forget();
     EXPECT_NE(reaches.of(first), before) << "another scene";
+}
+
+TEST(ReachOfViews, RemembersTheLatestSixteen) {
+    ReachOfViews reaches;
+    FrameRequest request = requestOf(uvec2(64, 64));
+    auto viewAt = [&](int i) {
+        request.camera.position.x = static_cast<float>(i);
+        return reaches.of(request);
+    };
+    const auto first = viewAt(0), second = viewAt(1);
+    for (int i = 2; i < 16; i++) viewAt(i);
+    EXPECT_EQ(viewAt(0), first) << "and it is the latest again";
+    viewAt(16);
+    EXPECT_EQ(viewAt(0), first);
+    EXPECT_NE(viewAt(1), second);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "server/app/bench_partner.h"
 #include "server/lab/effect_bench.h"
 
+#include "tests/support/direct_renderer.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/test_scenes.h"
 
@@ -23,7 +24,8 @@ EffectBenchOptions smallBench() {
 
 TEST(EffectBench, EachEffectIsMeasuredInPairsOfChangingOrder) {
     FakeDevice device;
-    EffectBenchResult result = benchEffects(device, *test::squareScene(), smallBench(), {});
+    test::DirectRenderer renderer(device);
+    EffectBenchResult result = benchEffects(renderer, *test::squareScene(), smallBench(), {});
     const size_t rows = result.rows.size();
     ASSERT_EQ(rows, effectNames({~0u}).size());
     ASSERT_EQ(device.requests.size(), 3 * 2 * rows) << "one round warms up";
@@ -86,7 +88,8 @@ TEST(EffectBench, JsonHasARowPerEffectWithRaysByKind) {
 
 TEST(EffectCheck, ComparesAllAllowedWithWhatIsCalledFor) {
     FakeDevice device;
-    EffectCheckResult result = checkEffects(device, *test::squareScene(), smallBench(), 0.5, {});
+    test::DirectRenderer renderer(device);
+    EffectCheckResult result = checkEffects(renderer, *test::squareScene(), smallBench(), 0.5, {});
     EXPECT_TRUE(result.identical());
     EXPECT_THAT(result.switchedOff, testing::IsSupersetOf({"environment", "reflections", "refractions"}));
     EXPECT_THAT(result.switchedOff, testing::Not(testing::Contains("shadows")));
@@ -113,7 +116,8 @@ public:
 
 TEST(EffectCheck, OnePixelThatDiffersFails) {
     ForgetfulDevice device;
-    EffectCheckResult result = checkEffects(device, *test::squareScene(), smallBench(), 100.0, {});
+    test::DirectRenderer renderer(device);
+    EffectCheckResult result = checkEffects(renderer, *test::squareScene(), smallBench(), 100.0, {});
     EXPECT_EQ(result.differingPixels, 1u);
     EXPECT_TRUE(result.within());
     EXPECT_FALSE(result.passed());

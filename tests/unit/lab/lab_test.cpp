@@ -1,6 +1,7 @@
 #include "server/lab/device_bench.h"
 #include "server/lab/frame_bench.h"
 
+#include "tests/support/direct_renderer.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/test_scenes.h"
 
@@ -34,7 +35,8 @@ FrameBenchOptions smallBench() {
 
 TEST(FrameBench, FliesThePathOnceAndDoesNotCountTheWarmUp) {
     FakeDevice device;
-    FrameBenchResult result = benchFrames(device, *sceneWithPath(), smallBench(), {});
+    test::DirectRenderer renderer(device);
+    FrameBenchResult result = benchFrames(renderer, *sceneWithPath(), smallBench(), {});
     EXPECT_EQ(result.path, "round");
     EXPECT_EQ(result.milliseconds.size(), 4u);
     EXPECT_EQ(result.rays.size(), 4u);
@@ -49,9 +51,10 @@ TEST(FrameBench, FliesThePathOnceAndDoesNotCountTheWarmUp) {
 
 TEST(FrameBench, StandsStillWithoutAPath) {
     FakeDevice device;
+    test::DirectRenderer renderer(device);
     FrameBenchOptions options = smallBench();
     options.camera.position = vec3(0, 0, 9);
-    FrameBenchResult result = benchFrames(device, *test::squareScene(), options, {});
+    FrameBenchResult result = benchFrames(renderer, *test::squareScene(), options, {});
     EXPECT_EQ(result.path, "");
     for (const FrameRequest& request : device.requests) EXPECT_EQ(request.camera.position, vec3(0, 0, 9));
 }
@@ -89,13 +92,14 @@ public:
 
 TEST(DeviceBench, MeasuresAllKindsInTurnsWithTheirOwnEffects) {
     FakeDevice device;
+    test::DirectRenderer renderer(device);
     FakeRawBench raw;
     DeviceBenchOptions options;
     options.resolution = uvec2(40, 24);
     options.repetitions = 3;
     options.settings.ambientOcclusion = true;
     options.settings.aoSamples = 2;
-    DeviceBenchResult result = benchDevice(device, &raw, test::squareScene(), options, {});
+    DeviceBenchResult result = benchDevice(renderer, &raw, test::squareScene(), options, {});
     EXPECT_EQ(raw.measured, 4) << "one repetition warms up";
     EXPECT_EQ(raw.prepared.settings.aoSamples, 9u);
     ASSERT_EQ(device.requests.size(), 12u);

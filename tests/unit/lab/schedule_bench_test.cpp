@@ -1,6 +1,7 @@
 #include "server/lab/schedule_bench.h"
 #include "server/lab/schedule_policies.h"
 
+#include "tests/support/direct_renderer.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/random.h"
 #include "tests/support/test_scenes.h"
@@ -167,8 +168,9 @@ TEST(SchedulePolicies, RayEngineMovesAQuarterOfTheSecondsBetween) {
 
 TEST(CostMap, CountsRaysByCell) {
     test::FakeDevice device;
+    test::DirectRenderer renderer(device);
     auto scene = test::squareScene();
-    CostMap map = recordCosts(device, *scene, {}, {}, {40, 20}, 2, {});
+    CostMap map = recordCosts(renderer, *scene, {}, {}, {40, 20}, 2, {});
     EXPECT_EQ(map.cells, uvec2(5, 3));
     ASSERT_EQ(map.frames.size(), 2u);
     ASSERT_EQ(map.frames[0].size(), 15u);

@@ -1,4 +1,4 @@
-#include "server/render/frame_renderer.h"
+#include "tests/support/direct_renderer.h"
 
 #include "server/base/error.h"
 #include "tests/support/fake_device.h"

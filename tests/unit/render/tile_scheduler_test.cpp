@@ -24,11 +24,11 @@ constexpr uvec2 CELL(16, 16);
 
 /// Frames on a team of fake devices.
 struct Team : ::testing::Test {
-    Team() { history->costs.begin(SIZE, CELL); }
+    Team() { view.costs.begin(SIZE, CELL); }
 
     std::shared_ptr<TeamDevice> add(const std::string& name, uint32_t streams = 1, const std::string& silicon = {}) {
         devices.push_back(std::make_shared<TeamDevice>(name, streams, silicon));
-        inside.push_back(std::make_shared<std::atomic<uint32_t>>(0));
+        inside.push_back(std::make_shared<CallsInFlight>());
         blocked.emplace_back();
         return devices.back();
     }
@@ -42,16 +42,16 @@ struct Team : ::testing::Test {
         request.settings = settings;
         request.resolution = SIZE;
         request.generation = 7;
-        request.history = history;
         if (sample == 0) film.reset(SIZE, 7);
-        history->costs.begin(SIZE, CELL);
-        history->report = {};
+        view.costs.begin(SIZE, CELL);
         refused = 0;
         auto sink = [&](TileResult&& result) {
             if (!film.add(result)) refused++;
         };
-        ScheduleResult result = scheduler.render(request, film.tilesFor(sample, 1, CELL), candidates(), memory, sink, stop);
-        history->costs.end();
+        ScheduleResult result =
+            scheduler.render(request, film.tilesFor(sample, 1, CELL), candidates(), memory, view, sink, stop);
+        view.costs.end();
+        report = result.report;
         return result;
     }
     /// The film holds exactly these samples of every pixel, each counted once.
@@ -71,7 +71,7 @@ struct Team : ::testing::Test {
         EXPECT_EQ(refused, 0u);
     }
     const DeviceReport& reportOf(const std::string& name) {
-        return *std::ranges::find_if(history->report.devices, [&](const DeviceReport& d) { return d.name == name; });
+        return *std::ranges::find_if(report.devices, [&](const DeviceReport& d) { return d.name == name; });
     }
 
     TileScheduler scheduler;
@@ -79,9 +79,10 @@ struct Team : ::testing::Test {
     Settings settings;
     Film film;
     std::atomic<uint32_t> refused{0};
-    std::shared_ptr<FrameHistory> history = std::make_shared<FrameHistory>();
+    ViewMemory view;
+    ScheduleReport report;
     std::vector<std::shared_ptr<TeamDevice>> devices;
-    std::vector<std::shared_ptr<std::atomic<uint32_t>>> inside;
+    std::vector<std::shared_ptr<CallsInFlight>> inside;
     std::vector<std::string> blocked;
 };
 
@@ -92,11 +93,11 @@ TEST_F(Team, SharesFramesAndEachTileCountsOnce) {
     for (uint32_t sample = 0; sample < 12; sample++) EXPECT_TRUE(render(sample).missing.empty());
     expectFilm(12);
     uint32_t tiles = 0;
-    for (const DeviceReport& device : history->report.devices) tiles += device.tiles;
+    for (const DeviceReport& device : report.devices) tiles += device.tiles;
     EXPECT_EQ(tiles, TILES);
-    EXPECT_GT(history->report.batches, 0u);
-    EXPECT_GE(history->report.end, history->report.begin);
-    for (const WorkerReport& worker : history->report.workers) {
+    EXPECT_GT(report.batches, 0u);
+    EXPECT_GE(report.end, report.begin);
+    for (const WorkerReport& worker : report.workers) {
         for (const auto& span : worker.batches) EXPECT_GE(span.end, span.begin);
     }
 }
@@ -118,11 +119,10 @@ TEST_F(Team, ADeviceThatThrowsCostsItsBatchOnly) {
 TEST_F(Team, ASinkThatThrowsEndsTheFrameAndBlamesNoDevice) {
     for (const char* name : {"one", "two"}) add(name, 2)->spins = 200;
     std::atomic<int> left{5};
-    history->costs.begin(SIZE, CELL);
+    view.costs.begin(SIZE, CELL);
     FrameRequest request;
     request.resolution = SIZE;
     request.generation = 7;
-    request.history = history;
     film.reset(SIZE, 7);
     auto sink = [&](TileResult&&) {
         if (left-- <= 0) throw std::runtime_error("no room");
@@ -130,11 +130,12 @@ TEST_F(Team, ASinkThatThrowsEndsTheFrameAndBlamesNoDevice) {
     for (const char* balance : {"auto", "manual"}) {
         request.settings.set("hybridBalance", balance);
         left = 5;
-        EXPECT_THROW(scheduler.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, sink, {}), std::runtime_error)
+        EXPECT_THROW(scheduler.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, view, sink, {}),
+                     std::runtime_error)
             << balance;
-        EXPECT_TRUE(test::until([&] { return inside[0]->load() + inside[1]->load() == 0; }));
+        EXPECT_TRUE(test::until([&] { return inside[0]->count() + inside[1]->count() == 0; }));
     }
-    history->costs.end();
+    view.costs.end();
     const ScheduleResult result = render();
     EXPECT_TRUE(result.missing.empty());
     EXPECT_TRUE(result.failures.empty());
@@ -151,16 +152,15 @@ TEST_F(Team, WithoutThreadsTheFramesOwnThreadRenders) {
     FrameRequest request;
     request.resolution = SIZE;
     request.generation = 7;
-    request.history = history;
     auto sink = [&](TileResult&& result) { EXPECT_TRUE(film.add(result)); };
     for (const int threads : {0, 1, 3}) {
         for (const char* balance : {"auto", "manual"}) {
             allowed = threads;
             film.reset(SIZE, 7);
-            history->costs.begin(SIZE, CELL);
+            view.costs.begin(SIZE, CELL);
             request.settings.set("hybridBalance", balance);
-            const ScheduleResult result = poor.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, sink, {});
-            history->costs.end();
+            const ScheduleResult result = poor.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, view, sink, {});
+            view.costs.end();
             EXPECT_TRUE(result.missing.empty()) << threads << " threads, " << balance;
             EXPECT_TRUE(result.failures.empty());
             expectFilm(1);
@@ -186,10 +186,10 @@ TEST_F(Team, ADeviceThatStopsIsNotWaitedFor) {
     uint32_t samples = 1;
     ASSERT_TRUE(test::until([&] {
         EXPECT_TRUE(render(samples++).missing.empty());
-        return inside[1]->load() > 0;
+        return inside[1]->count() > 0;
     })) << "the frame is over, and the stalled device is still inside";
     stalled->release();
-    EXPECT_TRUE(test::until([&] { return inside[1]->load() == 0; }));
+    EXPECT_TRUE(test::until([&] { return inside[1]->count() == 0; }));
     expectFilm(samples);
 }
 
@@ -202,9 +202,9 @@ TEST_F(Team, ALateResultOfAnEarlierFrameIsDropped) {
     blocked[1] = "still owes a batch";
     EXPECT_TRUE(render(1).missing.empty());
     stalled->release();
-    EXPECT_TRUE(test::until([&] { return inside[1]->load() == 0; }));
+    EXPECT_TRUE(test::until([&] { return inside[1]->count() == 0; }));
     expectFilm(2);
-    EXPECT_EQ(history->report.devices[1].part.reason, "still owes a batch");
+    EXPECT_EQ(report.devices[1].part.reason, "still owes a batch");
 }
 
 TEST_F(Team, AloneAStallingDeviceIsWaitedFor) {
@@ -255,10 +255,26 @@ TEST_F(Team, StoppingEndsTheFrameAndSilencesTheDevices) {
     const ScheduleResult result = render(0, stop.get_token());
     EXPECT_EQ(result.missing.size(), TILES);
     slow->release();
-    EXPECT_TRUE(test::until([&] { return inside[0]->load() == 0; }));
+    EXPECT_TRUE(test::until([&] { return inside[0]->count() == 0; }));
     EXPECT_EQ(film.completedSamples(), 0u);
     EXPECT_EQ(render(0).missing.size(), 0u);
     expectFilm(1);
+}
+
+// A lone device that is called from the frame's own thread gives back what it has not begun, and nobody asks it again.
+TEST_F(Team, StoppingADeviceThatIsCalledOnceEndsTheFrame) {
+    auto only = add("only");
+    only->overlaps = true;
+    only->hold();
+    std::stop_source stop;
+    std::jthread viewer([&] {
+        if (!only->untilHeld(1)) return;
+        stop.request_stop();
+        only->release();
+    });
+    const ScheduleResult result = render(0, stop.get_token());
+    EXPECT_FALSE(result.missing.empty());
+    EXPECT_TRUE(result.failures.empty());
 }
 
 TEST_F(Team, OfDevicesOnTheSameSiliconTheFastestWorksAndTheReasonIsTold) {
@@ -334,11 +350,11 @@ TEST_F(Team, NoisyCellsComeFirstWhenRefining) {
     add("only", 2)->spins = 2000;
     render(0);
     devices[0]->forgetAsked();
-    history->errors.assign(TILES, 0.0f);
+    view.errors.assign(TILES, 0.0f);
     std::vector<uvec2> noisy;
     for (uint32_t i = 0; i < 10; i++) {
         const uint32_t cell = (i % 5 + 1) * 13 + (i * 7) % 12;
-        history->errors[cell] = 1.0f + static_cast<float>(i);
+        view.errors[cell] = 1.0f + static_cast<float>(i);
         noisy.push_back(uvec2(cell % 13, cell / 13) * CELL);
     }
     devices[0]->hold();
@@ -385,7 +401,7 @@ TEST_F(Team, EveryFrameIsWholeWhateverHappens) {
         }
         for (auto& device : held) device->release();
         expectFilm(4);
-        for (auto& count : inside) EXPECT_TRUE(test::until([&] { return count->load() == 0; }));
+        for (auto& calls : inside) EXPECT_TRUE(test::until([&] { return calls->count() == 0; }));
     }
 }
 

@@ -230,7 +230,7 @@ TEST(FrameBalance, AnOverdueBatchGoesToWhoIsThere) {
     auto first = balance.next(0, 0.0);
     auto second = balance.next(1, 0.0);
     ASSERT_TRUE(first && second);
-    for (uint32_t i = second->first; i < second->last; i++) EXPECT_TRUE(balance.deliver(balance.order()[i]));
+    for (uint32_t cell : balance.cells(*second)) EXPECT_TRUE(balance.deliver(cell));
     EXPECT_FALSE(balance.finish(second->id, second->due));
     EXPECT_FALSE(balance.next(1, second->due));
     const double alarm = balance.nextOverdue();
@@ -245,7 +245,7 @@ TEST(FrameBalance, AnOverdueBatchGoesToWhoIsThere) {
     // Both answer; each cell counts once.
     uint32_t counted = 0;
     for (const auto& batch : {*first, *again}) {
-        for (uint32_t i = batch.first; i < batch.last; i++) counted += balance.deliver(balance.order()[i]);
+        for (uint32_t cell : balance.cells(batch)) counted += balance.deliver(cell);
         EXPECT_FALSE(balance.finish(batch.id, alarm + 1.0));
     }
     EXPECT_EQ(counted, size(*first));
@@ -278,8 +278,57 @@ TEST(FrameBalance, CellsThatADeviceLeavesOutGoBack) {
     EXPECT_TRUE(balance.finish(batch->id, batch->due));
     auto rest = balance.next(0, batch->due);
     ASSERT_TRUE(rest);
-    EXPECT_EQ(balance.order()[rest->first], 9u);
+    EXPECT_EQ(balance.cells(*rest)[0], 9u);
     EXPECT_EQ(size(*rest), 1u);
+}
+
+// By hand: each device has its own part of the order, whatever the other could still do.
+TEST(FrameBalance, ADeviceGetsNoCellBeyondItsRange) {
+    const std::vector<BalanceDevice> devices{device("cpu", 1.0, 2), device("gpu", 1000.0)};
+    const std::vector<DevicePart> parts{{Part::works, "", {0, 30}}, {Part::works, "", {30, 100}}};
+    const std::vector<float> costs(100, 1.0f);
+    std::vector<uint32_t> order(100);
+    std::iota(order.rbegin(), order.rend(), 0u);
+    FrameBalance balance;
+    balance.begin(devices, parts, costs, 0.0, order, 0.0);
+    std::vector<std::vector<uint32_t>> given(2);
+    double now = 0.0;
+    while (!balance.done() && now < 1e3) {
+        now += 1.0;
+        for (uint32_t worker : balance.askOrder()) {
+            while (const auto batch = balance.next(worker, now)) {
+                for (uint32_t cell : balance.cells(*batch)) {
+                    given[balance.deviceOf(worker)].push_back(cell);
+                    EXPECT_TRUE(balance.deliver(cell));
+                }
+                balance.finish(batch->id, now);
+            }
+        }
+    }
+    EXPECT_TRUE(balance.done());
+    EXPECT_EQ(given[0].size(), 30u);
+    EXPECT_EQ(given[1].size(), 70u);
+    for (uint32_t cell : given[0]) EXPECT_GE(cell, 70u);
+}
+
+TEST(FrameBalance, ALostRangeDoesNotStopTheOther) {
+    const std::vector<BalanceDevice> devices{device("cpu", 10.0), device("gpu", 10.0)};
+    const std::vector<DevicePart> parts{{Part::works, "", {0, 5}}, {Part::works, "", {5, 10}}};
+    const std::vector<float> costs(10, 1.0f);
+    std::vector<uint32_t> order(10);
+    std::iota(order.begin(), order.end(), 0u);
+    FrameBalance balance;
+    balance.begin(devices, parts, costs, 0.0, order, 0.0);
+    balance.lose(1);
+    EXPECT_FALSE(balance.hopeless());
+    EXPECT_FALSE(balance.stuck());
+    while (const auto batch = balance.next(0, 0.0)) {
+        for (uint32_t cell : balance.cells(*batch)) balance.deliver(cell);
+        balance.finish(batch->id, 0.1);
+    }
+    EXPECT_EQ(balance.undelivered(), 5u);
+    EXPECT_TRUE(balance.hopeless());
+    EXPECT_TRUE(balance.stuck());
 }
 
 }  // namespace

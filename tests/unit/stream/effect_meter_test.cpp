@@ -1,5 +1,6 @@
 #include "server/stream/effect_meter.h"
 
+#include "tests/support/direct_renderer.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/until.h"
 
@@ -63,8 +64,8 @@ EffectMeter::Order orderFor(std::shared_ptr<Device> device, uint64_t number = 1,
     EffectMeter::Order order;
     order.number = number;
     order.name = "square";
-    order.scene =
-        std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), explainEffects(*scene), effectsOf(*scene)});
+    order.scene = std::make_shared<ResidentScene>(ResidentScene{
+        scene, std::make_shared<test::DirectRenderer>(std::move(device)), explainEffects(*scene), effectsOf(*scene)});
     order.view.camera.position = vec3(0, 0, 4);
     order.view.resolution = size;
     return order;

@@ -2,6 +2,7 @@
 
 #include "server/scene/scene.h"
 
+#include "tests/support/direct_renderer.h"
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -142,7 +143,8 @@ std::shared_ptr<ResidentScene> sceneOn(std::shared_ptr<Device> device, bool with
         path.keys = {{vec3(5, 0, 0), vec3(0)}, {vec3(0, 0, 5), vec3(0)}, {vec3(-5, 0, 0), vec3(0)}};
         scene->paths.push_back(path);
     }
-    return std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), {}, {}});
+    return std::make_shared<ResidentScene>(
+        ResidentScene{scene, std::make_shared<test::DirectRenderer>(std::move(device)), {}, {}});
 }
 
 /// Input `id` looks from (id, 0, 0).

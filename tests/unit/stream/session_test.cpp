@@ -3,6 +3,7 @@
 #include "server/base/error.h"
 #include "server/request/device_rows.h"
 
+#include "tests/support/direct_renderer.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +49,8 @@ std::shared_ptr<ResidentScene> residentScene(const std::string& name, bool withP
         path.keys = {{vec3(5, 0, 0), vec3(0)}, {vec3(0, 0, 5), vec3(0)}};
         scene->paths.push_back(path);
     }
-    return std::make_shared<ResidentScene>(ResidentScene{scene, std::move(device), explainEffects(*scene), {}});
+    return std::make_shared<ResidentScene>(
+        ResidentScene{scene, std::make_shared<test::DirectRenderer>(std::move(device)), explainEffects(*scene), {}});
 }
 
 class FakeHost : public SessionHost {

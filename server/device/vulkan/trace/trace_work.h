@@ -9,8 +9,8 @@ namespace heliograph {
 
 class TraceWork {
 public:
-    /// `reach` may be null; it outlives the work, as the tiles do.
-    TraceWork(std::span<const Tile> tiles, CellReach* reach) : tiles_(tiles), reach_(reach) {}
+    /// `reach` may be null. The tiles outlive the work.
+    TraceWork(std::span<const Tile> tiles, std::shared_ptr<CellReach> reach) : tiles_(tiles), reach_(std::move(reach)) {}
 
     bool done() const { return next_ == tiles_.size() && again_.empty(); }
     /// As many as make a batch. `hasSingle`: there is a program for tiles whose paths have all ended at once so far.
@@ -31,7 +31,7 @@ public:
 
 private:
     const std::span<const Tile> tiles_;
-    CellReach* const reach_;
+    const std::shared_ptr<CellReach> reach_;
     size_t next_ = 0;
     std::mutex mutex_;  // of again_
     std::vector<Tile> again_;

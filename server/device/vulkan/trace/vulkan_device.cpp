@@ -34,12 +34,13 @@ constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU t
 
 class VulkanDevice : public Device {
 public:
-    VulkanDevice(const std::string& which, const VulkanOptions& options)
+    VulkanDevice(const std::string& which, const VulkanOptions& options, std::shared_ptr<ReachOfViews> reach)
         : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all),
           context_(vulkanContext(options)),
           gpu_(context_, context_->find(which)),
           pipelines_(gpu_, GpuScene::widthFor(gpu_.physical()), IN_FLIGHT * TREE_QUALITIES),
-          alwaysStandsBy_(options.alwaysStandsBy) {
+          alwaysStandsBy_(options.alwaysStandsBy),
+          reach_(std::move(reach)) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
         name_ = numberedDevice(device_name::vulkan, gpu_.physical().index);
@@ -79,6 +80,7 @@ public:
             loads_++;
         }
         source_ = std::move(scene);
+        reach_->forget();
         try {
             Resident& resident = residentFor(settings, progress);
             report(progress, "warming up", 0.95);
@@ -301,10 +303,11 @@ private:
 
     // The program for tiles whose paths have all ended at their first surface so far; null where there is none (yet).
     VkPipeline firstSurfaceFor(const Resident& resident, const FrameRequest& request) {
-        return reachOf(request) ? pipelines_.find(firstSurfaceOf(kindFor(*resident.scene, request))) : VK_NULL_HANDLE;
+        return pathsGoOn(request.effects) ? pipelines_.find(firstSurfaceOf(kindFor(*resident.scene, request))) : VK_NULL_HANDLE;
     }
-    static CellReach* reachOf(const FrameRequest& request) {
-        return pathsGoOn(request.effects) ? request.reach.get() : nullptr;
+    /// Null where paths never go on.
+    std::shared_ptr<CellReach> reachOf(const FrameRequest& request) {
+        return pathsGoOn(request.effects) ? reach_->of(request) : nullptr;
     }
     static TracePipelines::Kind firstSurfaceOf(TracePipelines::Kind kind) {
         kind.firstSurface = true;
@@ -410,6 +413,7 @@ private:
     BatchSize size_;
     std::atomic<double> batchSeconds_{0.0};
     const bool alwaysStandsBy_;
+    const std::shared_ptr<ReachOfViews> reach_;
     mutable std::mutex warmMutex_;
     std::optional<General> general_;
     uint32_t loads_ = 0;      // scenes so far
@@ -421,8 +425,9 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Device> makeVulkanDevice(const std::string& which, const VulkanOptions& options) {
-    return std::make_unique<VulkanDevice>(which, options);
+std::unique_ptr<Device> makeVulkanDevice(const std::string& which, const VulkanOptions& options,
+                                         std::shared_ptr<ReachOfViews> reach) {
+    return std::make_unique<VulkanDevice>(which, options, std::move(reach));
 }
 
 std::vector<PhysicalDevice> listVulkanDevices(std::string& why) {

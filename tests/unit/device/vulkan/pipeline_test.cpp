@@ -4,7 +4,7 @@
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/film/cell_reach.h"
-#include "server/render/frame_renderer.h"
+#include "tests/support/direct_renderer.h"
 #include "server/scene/load/scene_source.h"
 
 #include <gtest/gtest.h>
@@ -192,7 +192,7 @@ protected:
         tiles_ = film.tilesFor(0, 1, tileSize(settings));
         stats_ = render(expected_);
         device_->standBy();
-        request_.reach = std::make_shared<CellReach>(request_.resolution);
+        reach_->forget();
     }
 
     RayCounts render(std::vector<vec4>& pixels, bool asStream = false) {
@@ -219,7 +219,8 @@ protected:
     }
 
     std::shared_ptr<const Scene> scene_ = openScene("effects/small-mirror");
-    std::unique_ptr<Device> device_ = makeVulkanDevice("", standingBy());
+    std::shared_ptr<ReachOfViews> reach_ = std::make_shared<ReachOfViews>();
+    std::unique_ptr<Device> device_ = makeVulkanDevice("", standingBy(), reach_);
     FrameRequest request_;
     std::vector<Tile> tiles_;
     std::vector<vec4> expected_;
@@ -231,7 +232,7 @@ TEST_F(FirstSurfacePipeline, ServesTheTilesThatSeeNoMirrorWithTheSamePicture) {
     for (bool asStream : {false, true}) {
         expectTheSame("nothing is known of the view", asStream);
         const auto atFirst =
-            std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
+            std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return reach_->of(request_)->endsAtOnce(t); });
         EXPECT_GT(atFirst, static_cast<long>(tiles_.size() / 2));
         EXPECT_LT(atFirst, static_cast<long>(tiles_.size()));
         expectTheSame("the view is known", asStream);
@@ -240,15 +241,15 @@ TEST_F(FirstSurfacePipeline, ServesTheTilesThatSeeNoMirrorWithTheSamePicture) {
 
 TEST_F(FirstSurfacePipeline, WhatItCutsOffIsRenderedAgain) {
     for (bool asStream : {false, true}) {
-        request_.reach = std::make_shared<CellReach>(request_.resolution);
+        reach_->forget();
         for (const Tile& tile : tiles_) {
             TileResult lie;  // that none of its paths has gone on
             lie.tile = tile;
-            request_.reach->note(lie);
+            reach_->of(request_)->note(lie);
         }
         expectTheSame("all tiles are said to see no mirror", asStream);
         const auto atFirst =
-            std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return request_.reach->endsAtOnce(t); });
+            std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return reach_->of(request_)->endsAtOnce(t); });
         EXPECT_LT(atFirst, static_cast<long>(tiles_.size())) << "and now it is known better";
     }
 }

@@ -9,8 +9,8 @@
 #include "server/device/vulkan/trace/vulkan_device.h"
 
 #include "server/base/error.h"
-#include "server/render/frame_renderer.h"
-#include "server/render/device_switch.h"
+#include "tests/support/direct_renderer.h"
+#include "server/render/device_set.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/support/material_zoo.h"
 #include "tests/support/test_scenes.h"
@@ -48,7 +48,8 @@ protected:
     uint64_t before_ = 0;
 };
 
-std::vector<vec4> picture(Device& device, const FrameRequest& request, uint32_t samples = 1) {
+template <typename Renders>
+std::vector<vec4> picture(Renders& device, const FrameRequest& request, uint32_t samples = 1) {
     Film film;
     renderFrame(device, request, samples, film);
     std::vector<vec4> pixels;
@@ -300,15 +301,16 @@ TEST_F(Vulkan, StopsBetweenBatches) {
 }
 
 /// A Vulkan device with the processor behind it.
-std::unique_ptr<Device> withSpare(std::function<std::unique_ptr<Device>()> make, TileScheduler& scheduler, std::string& told) {
+std::unique_ptr<Renderer> withSpare(std::function<std::unique_ptr<Device>()> make, TileScheduler& scheduler,
+                                    std::string& told) {
     DeviceOffer offer;
     offer.words = {"vulkan:0", "embree"};
     offer.nameOf = [](const Settings&) { return "vulkan:0"; };
     offer.make = [make](const std::string& name) { return name == "embree" ? makeEmbreeDevice() : make(); };
     offer.spare = "embree";
-    DeviceSwitchOptions options;
+    DeviceSetOptions options;
     options.notice = [&told](const std::string&, const std::string& what) { told = what; };
-    return makeDeviceSwitch(std::move(offer), scheduler, std::move(options));
+    return makeDeviceSet(std::move(offer), scheduler, std::move(options));
 }
 
 TEST_F(Vulkan, TooLittleMemoryIsSaidAndTheSpareMakesTheSamePicture) {

@@ -1,9 +1,9 @@
 #pragma once
-// The devices of one scene behind one: each frame goes to the device that its settings name, or with `hybrid` to all that
-// are there, through the tile scheduler. A device gets the scene when it is first asked for. One that fails is set aside, and
-// its frame goes on elsewhere.
+// The devices of one scene as one renderer: a frame goes to the device that its settings name, or with `hybrid` to all that are
+// there, always through the tile scheduler: a device alone is a team of one. A device gets the scene when it is first asked for. One
+// that fails is set aside, and its frame goes on elsewhere.
 
-#include "server/device/device.h"
+#include "server/render/renderer.h"
 #include "server/render/tile_scheduler.h"
 
 namespace heliograph {
@@ -22,16 +22,16 @@ struct DeviceOffer {
     std::string spare;              // that takes over from a traced device that compiles or failed; empty: none does
 };
 
-struct DeviceSwitchOptions {
+struct DeviceSetOptions {
     DeviceNotice notice;
     bool patient = false;  // hybrid waits for all its devices, instead of beginning with those that are ready
     bool forced = false;   // every device takes part in hybrid, whatever it gains; for benchmarks
 };
 
 /// `load` gives the scene to the device that its settings name; the others get it in `prepare`, or in `render` for want of
-/// it; hybrid's get it in the background, so does the spare of a traced device unless the switch is patient. A device that
+/// it; hybrid's get it in the background, so does the spare of a traced device unless the set is patient. A device that
 /// could not be started or loaded is tried again when it is asked for by name again, unless there is a spare. The scheduler
-/// outlives the switch.
-std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options = {});
+/// outlives the set.
+std::unique_ptr<Renderer> makeDeviceSet(DeviceOffer offer, TileScheduler& scheduler, DeviceSetOptions options = {});
 
 }  // namespace heliograph

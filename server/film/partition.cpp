@@ -1,4 +1,4 @@
-#include "server/schedule/partition.h"
+#include "server/film/partition.h"
 
 #include <algorithm>
 
@@ -9,7 +9,6 @@ void Partition::begin(uvec2 newResolution, uvec2 newCellSize) {
     cellSize = newCellSize;
     devices.clear();
     makers.assign(static_cast<size_t>(cells().x) * cells().y, NOBODY);
-    report = {};
 }
 
 void Partition::note(const Tile& tile, const std::string& device) {

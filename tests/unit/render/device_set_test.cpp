@@ -1,7 +1,7 @@
-#include "server/render/device_switch.h"
+#include "server/render/device_set.h"
 
 #include "server/base/error.h"
-#include "server/render/frame_renderer.h"
+#include "tests/support/direct_renderer.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/team_device.h"
 #include "tests/support/until.h"
@@ -53,7 +53,7 @@ struct Choice : ::testing::Test {
         offer.make = [this](const std::string& name) {
             return std::make_unique<SigningDevice>(name, log, name == "raster" ? failures : none);
         };
-        device = makeDeviceSwitch(offer, scheduler);
+        device = makeDeviceSet(offer, scheduler);
     }
     Settings with(const char* word) {
         Settings settings;
@@ -71,7 +71,7 @@ struct Choice : ::testing::Test {
     std::vector<std::string> log;
     int failures = 0, none = 0;
     TileScheduler scheduler;
-    std::unique_ptr<Device> device;
+    std::unique_ptr<Renderer> device;
 };
 
 TEST_F(Choice, WordsThatMeanTheSameDeviceShareIt) {
@@ -138,10 +138,10 @@ struct Hybrid : ::testing::Test {
         test::TeamDevice& device;
     };
     void make(bool patient) {
-        DeviceSwitchOptions options;
+        DeviceSetOptions options;
         options.notice = [this](const std::string&, const std::string& what) { notices.push_back(what); };
         options.patient = patient;
-        device = makeDeviceSwitch(offer, scheduler, std::move(options));
+        device = makeDeviceSet(offer, scheduler, std::move(options));
         device->load(std::make_shared<Scene>(), settings, {});
     }
     FrameStats render() {
@@ -149,19 +149,23 @@ struct Hybrid : ::testing::Test {
         request.settings = settings;
         request.resolution = uvec2(160, 160);
         request.generation = ++generation;
-        request.history = history;
-        return renderFrame(*device, request, 1, film);
+        film.reset(request.resolution, request.generation);
+        PassFigures figures;
+        const bool done = PassRenderer().render({*device, request, film, view}, figures);
+        report = figures.schedule;
+        return {0.0, done ? 1u : 0u, figures.rays, figures.nonfiniteSamples, figures.tiles};
     }
 
     test::TeamDevice cpu{"embree", 2, "cpu"}, gpu{"vulkan:0", 1, "gpu"};
     Settings settings;
     DeviceOffer offer;
     std::vector<std::string> notices;
-    std::shared_ptr<FrameHistory> history = std::make_shared<FrameHistory>();
+    ViewMemory view;
+    ScheduleReport report;
     Film film;
     uint32_t generation = 0;
     TileScheduler scheduler;
-    std::unique_ptr<Device> device;  // goes first
+    std::unique_ptr<Renderer> device;  // goes first
 };
 
 TEST_F(Hybrid, ACommandWaitsForAllDevices) {
@@ -182,7 +186,7 @@ TEST_F(Hybrid, AViewerIsServedByThoseThatAreReadyMeanwhile) {
     ASSERT_TRUE(gpu.untilHeld());  // it is being loaded
     const FrameStats stats = render();
     EXPECT_EQ(stats.tiles.count("vulkan:0"), 0u);
-    EXPECT_THAT(history->report.devices[1].part.reason, ::testing::HasSubstr("given the scene"));
+    EXPECT_THAT(report.devices[1].part.reason, ::testing::HasSubstr("given the scene"));
     gpu.release();
     ASSERT_TRUE(test::until([&] { return render(), gpu.calls > 0; }));
     EXPECT_EQ(gpu.loads, 1u);
@@ -198,7 +202,7 @@ TEST_F(Hybrid, ADeviceThatFailsIsSetAsideForGoodAndViewersAreTold) {
     const uint32_t calls = gpu.calls;
     render();
     EXPECT_EQ(gpu.calls, calls);
-    EXPECT_THAT(history->report.devices[1].part.reason, ::testing::HasSubstr("set aside"));
+    EXPECT_THAT(report.devices[1].part.reason, ::testing::HasSubstr("set aside"));
     EXPECT_EQ(notices.size(), 1u);
 }
 
@@ -206,12 +210,18 @@ TEST_F(Hybrid, OneThatStallsSitsOutUntilItHasAnswered) {
     make(true);
     render();
     gpu.hold();
-    while (history->report.devices[1].part.reason.find("still owes") == std::string::npos) EXPECT_EQ(render().samples, 1u);
+    EXPECT_TRUE(test::until([&] {
+        EXPECT_EQ(render().samples, 1u);
+        return report.devices[1].part.reason.find("still owes") != std::string::npos;
+    }));
     const uint32_t calls = gpu.calls;
     EXPECT_EQ(render().samples, 1u);
     EXPECT_EQ(gpu.calls, calls);
     gpu.release();
-    while (gpu.calls == calls) EXPECT_EQ(render().samples, 1u);
+    EXPECT_TRUE(test::until([&] {
+        EXPECT_EQ(render().samples, 1u);
+        return gpu.calls > calls;
+    }));
     EXPECT_TRUE(notices.empty());
 }
 
@@ -260,7 +270,7 @@ TEST_F(Hybrid, TheProcessorServesWhileADeviceCompiles) {
     ASSERT_TRUE(gpu.untilHeld());
     EXPECT_EQ(render().tiles.count("vulkan:0"), 0u);
     gpu.release();
-    while (render().tiles.count("vulkan:0") == 0) {}
+    EXPECT_TRUE(test::until([&] { return render().tiles.count("vulkan:0") > 0; }));
     EXPECT_EQ(gpu.warmUps, 1u);
     EXPECT_TRUE(notices.empty());
 }
@@ -276,7 +286,7 @@ TEST_F(Hybrid, TheProcessorServesWhileADeviceCompilesForAnotherRequest) {
     gpu.cold = false;
     EXPECT_EQ(render().tiles.count("vulkan:0"), 0u);
     gpu.release();
-    while (render().tiles.count("vulkan:0") == 0) {}
+    EXPECT_TRUE(test::until([&] { return render().tiles.count("vulkan:0") > 0; }));
 }
 
 // With the scene at hand before it is needed, no frame waits for the processor to be given it.
@@ -336,7 +346,8 @@ TEST_F(Hybrid, WhatTheSinkThrowsIsNotTheDevicesFault) {
     request.resolution = uvec2(160, 160);
     film.reset(request.resolution, 0);
     auto sink = [](TileResult&&) { throw std::bad_alloc(); };
-    EXPECT_THROW(device->render(request, film.tilesFor(0, 1, uvec2(32)), sink, {}), std::bad_alloc);
+    view.costs.begin(request.resolution, uvec2(32));
+    EXPECT_THROW(device->render(request, film.tilesFor(0, 1, uvec2(32)), view, sink, {}), std::bad_alloc);
     EXPECT_TRUE(notices.empty());
     EXPECT_EQ(render().tiles.count("embree"), 0u) << "vulkan:0 still renders";
 }
@@ -345,8 +356,8 @@ TEST_F(Hybrid, WithoutThreadsDevicesAreMadeReadyByWhoAsks) {
     TileScheduler poor([](std::function<void()>) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
     });
-    device = makeDeviceSwitch(offer, poor,
-                              {.notice = [this](const std::string&, const std::string& what) { notices.push_back(what); }});
+    device = makeDeviceSet(offer, poor,
+                           {.notice = [this](const std::string&, const std::string& what) { notices.push_back(what); }});
     device->load(std::make_shared<Scene>(), settings, {});
     EXPECT_EQ(render().samples, 1u);
     EXPECT_EQ(render().samples, 1u);

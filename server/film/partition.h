@@ -1,7 +1,6 @@
 #pragma once
-// Which device made which part of a pass, and who worked when: what the page tints and draws.
+// Which device made which part of a pass: what the page tints.
 
-#include "server/schedule/schedule_report.h"
 #include "server/film/tile.h"
 
 namespace heliograph {
@@ -13,7 +12,6 @@ struct Partition {
     uvec2 cellSize{0, 0};    // pixels
     std::vector<std::string> devices;
     std::vector<uint8_t> makers;  // by cell, row-major: index in `devices`
-    ScheduleReport report;
 
     uvec2 cells() const { return (resolution + cellSize - 1u) / cellSize; }
     void begin(uvec2 resolution, uvec2 cellSize);

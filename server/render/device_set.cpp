@@ -1,16 +1,13 @@
-#include "server/render/device_switch.h"
+#include "server/render/device_set.h"
 
 #include "server/base/log.h"
+#include "server/render/device_slot.h"
 #include "server/request/device_rows.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
-#include <mutex>
-#include <set>
 #include <system_error>
 #include <stdexcept>
-#include <thread>
 
 namespace heliograph {
 
@@ -18,40 +15,11 @@ namespace {
 
 const std::string HYBRID = "hybrid";
 const std::string OWES = "still owes a batch of an earlier frame";
-constexpr auto LATE = std::chrono::milliseconds(50);
+constexpr double LATE = 0.05;  // seconds
 
-/// One device of the switch.
-struct Entry {
-    explicit Entry(std::string what) : name(std::move(what)) {}
-
-    const std::string name;
-    std::mutex loading;  // held while the device gets the scene
-    std::shared_ptr<std::atomic<uint32_t>> inside = std::make_shared<std::atomic<uint32_t>>(0);
-
-    std::mutex mutex;                // of all below
-    std::shared_ptr<Device> device;  // null until it holds the scene
-    std::string aside;               // why it is set aside; empty = it is not
-    bool busy = false;               // somebody gets it ready in the background
-    bool blocked = false;            // and frames would wait for that
-    bool stalls = false;             // it was waited for in vain
-
-    std::shared_ptr<Device> ready() {
-        std::lock_guard lock(mutex);
-        return device;
-    }
-    std::string failure() {
-        std::lock_guard lock(mutex);
-        return aside;
-    }
-};
-
-/// What tells the tiles of one call apart.
-using TileKey = std::array<uint32_t, 3>;
-TileKey keyOf(const Tile& tile) { return {tile.origin.x, tile.origin.y, tile.firstSample}; }
-
-class DeviceSwitch : public Device {
+class DeviceSet : public Renderer {
 public:
-    DeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options)
+    DeviceSet(DeviceOffer offer, TileScheduler& scheduler, DeviceSetOptions options)
         : offer_(std::move(offer)), scheduler_(scheduler), options_(std::move(options)) {}
 
     DeviceInfo info() const override { return infoOf(first_); }
@@ -84,19 +52,32 @@ public:
         if (name != HYBRID) usable(name, settings, {})->prepare(settings);
     }
 
-    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
+    ScheduleReport render(const FrameRequest& request, std::span<const Tile> tiles, ViewMemory& view, const TileSink& sink,
+                          std::stop_token stop) override {
         const std::string name = offer_.nameOf(request.settings);
-        if (name == HYBRID) renderTogether(request, tiles, sink, stop);
-        else renderAlone(name, request, tiles, sink, stop);
+        ScheduleReport report;
+        std::vector<Tile> missing;
+        while (!tiles.empty() && !stop.stop_requested()) {
+            ScheduleResult result = scheduler_.render(request, tiles, team(name, request), memory_, view, sink, stop);
+            report.append(result.report);
+            for (const auto& [device, why] : result.failures) {
+                memory_.rates.forget(device);
+                if (name != HYBRID && !hasSpare(name)) throw std::runtime_error(why);
+                setAside(device, why);
+            }
+            missing = std::move(result.missing);
+            tiles = missing;
+        }
+        return report;
     }
 
     DepthAnswer depthAlong(const ViewRay& ray) override {
-        std::vector<std::shared_ptr<Entry>> entries;
+        std::vector<std::shared_ptr<DeviceSlot>> entries;
         {
             std::lock_guard lock(mutex_);
             for (const auto& [name, slot] : entries_) entries.push_back(slot);
         }
-        for (const std::shared_ptr<Entry>& slot : entries) {
+        for (const std::shared_ptr<DeviceSlot>& slot : entries) {
             std::shared_ptr<Device> device = slot->ready();
             DepthAnswer answer = device ? device->depthAlong(ray) : DepthAnswer{};
             if (answer.known) return answer;
@@ -105,10 +86,10 @@ public:
     }
 
 private:
-    std::shared_ptr<Entry> entry(const std::string& name) const {
+    std::shared_ptr<DeviceSlot> entry(const std::string& name) const {
         std::lock_guard lock(mutex_);
-        std::shared_ptr<Entry>& slot = entries_[name];
-        if (!slot) slot = std::make_shared<Entry>(name);
+        std::shared_ptr<DeviceSlot>& slot = entries_[name];
+        if (!slot) slot = std::make_shared<DeviceSlot>(name);
         return slot;
     }
 
@@ -138,7 +119,8 @@ private:
     }
 
     /// The device with the scene. Devices do not wait for each other's loading. Throws what it throws.
-    std::shared_ptr<Device> loadNow(const std::shared_ptr<Entry>& entry, const Settings& settings, const Progress& progress) {
+    std::shared_ptr<Device> loadNow(const std::shared_ptr<DeviceSlot>& entry, const Settings& settings,
+                                    const Progress& progress) {
         std::lock_guard loading(entry->loading);
         if (std::shared_ptr<Device> device = entry->ready()) return device;
         std::shared_ptr<const Scene> scene;
@@ -168,7 +150,7 @@ private:
 
     /// The same, or null where it is or was set aside for failing.
     std::shared_ptr<Device> loaded(const std::string& name, const Settings& settings, const Progress& progress) {
-        std::shared_ptr<Entry> member = entry(name);
+        std::shared_ptr<DeviceSlot> member = entry(name);
         if (!member->failure().empty()) return nullptr;
         try {
             return loadNow(member, settings, progress);
@@ -195,7 +177,7 @@ private:
     }
 
     void setAside(const std::string& name, const std::string& why) {
-        std::shared_ptr<Entry> failed = entry(name);
+        std::shared_ptr<DeviceSlot> failed = entry(name);
         {
             std::lock_guard lock(failed->mutex);
             if (!failed->aside.empty()) return;
@@ -208,58 +190,46 @@ private:
         if (options_.notice) options_.notice(name, text);
     }
 
-    void renderAlone(const std::string& name, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
-                     std::stop_token stop) {
-        std::shared_ptr<Device> device = usable(name, request.settings, {});
-        if (!hasSpare(name) || !entry(name)->failure().empty()) return device->render(request, tiles, sink, stop);
-        if (!options_.patient && !getReady(entry(name), request).empty()) {
-            // It compiles for these effects: the spare, which makes the same picture, serves meanwhile.
-            return loadNow(entry(offer_.spare), request.settings, {})->render(request, tiles, sink, stop);
-        }
-        std::vector<Tile> left(tiles.begin(), tiles.end());
-        std::mutex deliveredMutex;
-        std::set<TileKey> delivered;
-        std::exception_ptr sinkError;  // no fault of the device
-        auto counting = [&](TileResult&& result) {
-            TileKey key = keyOf(result.tile);
-            try {
-                sink(std::move(result));
-            } catch (...) {
-                std::lock_guard lock(deliveredMutex);
-                if (!sinkError) sinkError = std::current_exception();
-                throw;
-            }
-            std::lock_guard lock(deliveredMutex);
-            delivered.insert(key);
-        };
-        try {
-            return device->render(request, tiles, counting, stop);
-        } catch (const std::exception& error) {
-            if (sinkError) std::rethrow_exception(sinkError);
-            setAside(name, error.what());
-        }
-        std::erase_if(left, [&](const Tile& tile) { return delivered.contains(keyOf(tile)); });
-        usable(name, request.settings, {})->render(request, left, sink, stop);
-    }
-
-    void renderTogether(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) {
-        std::vector<Candidate> team = candidates(request);
+    /// Who may render for that name now. Waits for the first that is ready. Throws when there is nobody.
+    std::vector<Candidate> team(const std::string& name, const FrameRequest& request) {
+        if (name != HYBRID) return loner(name, request);
         auto can = [](const Candidate& c) { return c.blocked.empty(); };
+        std::vector<Candidate> team = candidates(request);
         if (std::ranges::none_of(team, can)) {
-            // Nobody is ready yet: the frame waits for the first.
-            for (const std::string& name : offer_.team) {
-                if (!switchedOff(name, request.settings) && loaded(name, request.settings, {})) break;
+            for (const std::string& member : offer_.team) {
+                if (!switchedOff(member, request.settings) && loaded(member, request.settings, {})) break;
             }
             team = candidates(request);
         }
         if (std::ranges::none_of(team, can)) throw std::runtime_error("hybrid: " + whyNobody(request.settings));
-        const ScheduleResult result = scheduler_.render(request, tiles, std::move(team), memory_, sink, stop);
-        for (const auto& [device, why] : result.failures) {
-            memory_.rates.forget(device);
-            setAside(device, why);
-        }
-        if (!result.missing.empty() && !stop.stop_requested())
-            throw std::runtime_error("hybrid: " + whyNobody(request.settings));
+        return team;
+    }
+
+    /// The device of that name. While it compiles for these effects or when it has failed, its spare, which makes the same picture.
+    std::vector<Candidate> loner(const std::string& name, const FrameRequest& request) {
+        std::shared_ptr<DeviceSlot> slot = entry(name);
+        const std::shared_ptr<Device> device = usable(name, request.settings, {});
+        if (!hasSpare(name)) return {candidateOf(*slot, device, request.settings)};
+        std::vector<Candidate> team;
+        std::string why = slot->failure();
+        if (!why.empty()) why = "set aside: " + why;
+        else if (!options_.patient) why = getReady(slot, request);
+        if (why.empty()) return {candidateOf(*slot, device, request.settings)};
+        team.push_back(candidateOf(*slot, slot->ready(), request.settings));
+        team.back().blocked = why;
+        const std::shared_ptr<Device> spare = loadNow(entry(offer_.spare), request.settings, {});
+        team.push_back(candidateOf(*entry(offer_.spare), spare, request.settings));
+        return team;
+    }
+
+    Candidate candidateOf(DeviceSlot& slot, std::shared_ptr<Device> device, const Settings& settings) const {
+        Candidate c;
+        c.info.name = slot.name;
+        if (device) c.info = device->infoFor(settings);
+        c.device = std::move(device);
+        c.inFlight = slot.inFlight;
+        c.forced = options_.forced;
+        return c;
     }
 
     /// Why no device is left.
@@ -276,17 +246,13 @@ private:
     std::vector<Candidate> candidates(const FrameRequest& request) {
         std::vector<Candidate> team;
         for (const std::string& name : offer_.team) {
-            std::shared_ptr<Entry> member = entry(name);
-            Candidate c;
-            c.info.name = name;
-            c.inside = member->inside;
-            c.forced = options_.forced;
+            std::shared_ptr<DeviceSlot> member = entry(name);
+            Candidate c = candidateOf(*member, member->ready(), request.settings);
             if (switchedOff(name, request.settings)) c.blocked = "switched off";
             else if (std::string why = member->failure(); !why.empty()) c.blocked = "set aside: " + why;
-            else if (stalls(*member)) c.blocked = OWES;
+            else if (member->owes(LATE)) c.blocked = OWES;
             else c.blocked = getReady(member, request);
-            c.device = member->ready();
-            if (c.device) c.info = c.device->infoFor(request.settings);
+            if (c.blocked.empty()) c = candidateOf(*member, member->ready(), request.settings);
             team.push_back(std::move(c));
         }
         // Rather wait for one that stalls than for nobody.
@@ -298,20 +264,8 @@ private:
         return team;
     }
 
-    /// Whether it still works for an earlier frame. A batch that was only late is waited for, a stall once.
-    static bool stalls(Entry& member) {
-        const auto end = std::chrono::steady_clock::now() + LATE;
-        while (member.inside->load() > 0) {
-            if (member.stalls || std::chrono::steady_clock::now() > end) return member.stalls = true;
-            std::this_thread::sleep_for(std::chrono::microseconds(50));
-        }
-        return member.stalls = false;
-    }
-
     /// Starts what a device needs before it can take part, or to be faster; returns what it waits for, or nothing.
-    std::string getReady(const std::shared_ptr<Entry>& member, const FrameRequest& request) {
-        FrameRequest wanted = request;
-        wanted.history = nullptr;
+    std::string getReady(const std::shared_ptr<DeviceSlot>& member, const FrameRequest& request) {
         bool serves;
         {
             std::lock_guard lock(member->mutex);
@@ -323,7 +277,7 @@ private:
             member->busy = true;
             member->blocked = !serves && !options_.patient;
         }
-        auto work = [this, member, wanted] {
+        auto work = [this, member, wanted = request] {
             if (std::shared_ptr<Device> device = loaded(member->name, wanted.settings, {})) {
                 try {
                     device->warmUp(wanted);
@@ -344,7 +298,7 @@ private:
         return serves ? "" : "is being made ready";
     }
 
-    /// Tasks that use the switch; it does not end before them.
+    /// Tasks that use the set; it does not end before them.
     class Background {
     public:
         ~Background() {
@@ -377,19 +331,19 @@ private:
 
     const DeviceOffer offer_;
     TileScheduler& scheduler_;
-    const DeviceSwitchOptions options_;
+    const DeviceSetOptions options_;
     mutable std::mutex mutex_;
     std::string first_;
     std::shared_ptr<const Scene> scene_;
-    mutable std::map<std::string, std::shared_ptr<Entry>> entries_;
+    mutable std::map<std::string, std::shared_ptr<DeviceSlot>> entries_;
     ScheduleMemory memory_;  // used by the frame in progress alone: frames take turns
     Background background_;  // ends first
 };
 
 }  // namespace
 
-std::unique_ptr<Device> makeDeviceSwitch(DeviceOffer offer, TileScheduler& scheduler, DeviceSwitchOptions options) {
-    return std::make_unique<DeviceSwitch>(std::move(offer), scheduler, std::move(options));
+std::unique_ptr<Renderer> makeDeviceSet(DeviceOffer offer, TileScheduler& scheduler, DeviceSetOptions options) {
+    return std::make_unique<DeviceSet>(std::move(offer), scheduler, std::move(options));
 }
 
 }  // namespace heliograph
