@@ -27,8 +27,7 @@ device/vulkan/raster base kernel scene request film device device/vulkan/core de
 device/vulkan/bench  base kernel scene request film device device/vulkan/core device/vulkan/tree device/vulkan/trace
 device/remote        base kernel scene request film device pool
 encode               base kernel images
-net                  base kernel scene request net/web
-net/web              base net
+net                  base kernel scene request
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
 stream               base kernel scene scene/load request film device schedule render encode net
@@ -40,8 +39,7 @@ main             base app
 LIBRARIES='
 embree3/         device/embree device/vulkan/tree
 vulkan/          device/vulkan/core device/vulkan/tree device/vulkan/trace device/vulkan/raster device/vulkan/bench
-libwebsockets    tests
-openssl/         net/web
+libwebsockets    net
 nats             pool
 turbojpeg.h      images encode
 jpeglib.h        encode

@@ -6,11 +6,11 @@
 #include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/text.h"
+#include "server/net/token.h"
 #include "server/operations/configuration.h"
 #include "server/operations/memory.h"
 #include "server/operations/notify.h"
 #include "server/operations/signals.h"
-#include "server/operations/socket_options.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -43,6 +43,26 @@ std::string clientFolder(const std::string& given) {
                      "build it there (npm run build in client-web) or name its folder with --client");
 }
 
+SocketOptions socketOptions(const ServeOptions& options) {
+    SocketOptions socket;
+    socket.listen = parseListenAddress(options.listen);
+    if (!options.tokenFile.empty()) socket.token = readTokenFile(options.tokenFile);
+    if (!isLoopback(socket.listen.host) && socket.token.empty() && !options.insecure) {
+        throw InputError("--listen", options.listen + " can be reached from other machines",
+                         "that with --token-file FILE, or with --insecure to let everybody in; or 127.0.0.1");
+    }
+    if (options.certificate.empty() != options.key.empty()) {
+        throw InputError(options.key.empty() ? "--tls-key" : "--tls-cert", "missing",
+                         "both or neither of --tls-cert and --tls-key");
+    }
+    socket.certificateFile = options.certificate;
+    socket.keyFile = options.key;
+    socket.allowedOrigins = options.origins;
+    socket.maxViewers = options.maxViewers;
+    socket.files = readClientFiles(clientFolder(options.client));
+    return socket;
+}
+
 ServiceOptions serviceOptions(const ServeOptions& options) {
     ServiceOptions service;
     for (const std::string& setting : options.settings) service.defaults.setFromText(setting);
@@ -65,7 +85,6 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())
         throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");
     service.socket = socketOptions(options);
-    service.socket.files = readClientFiles(clientFolder(options.client));
     service.watchdog = std::chrono::seconds(options.watchdogSeconds);
     return service;
 }
@@ -188,7 +207,7 @@ int serve(const CommandLine& line, const CLI::App& command) {
     Service service(std::move(assembled));
     Steward steward(service, signals);
     service.start([&](std::exception_ptr why) { steward.opened(why); });
-    log().info("listening on {}, opening {}", service.urls(), name);
+    log().info("listening on {}, opening {}", service.url(), name);
     try {
         steward.serve(name);
     } catch (...) {

@@ -110,22 +110,6 @@ std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener 
     return cache_.open(name, std::move(listener));
 }
 
-std::vector<std::string> Service::sceneNames() {
-    std::vector<std::string> names;
-    for (const SceneRecipe& scene : options_.scenes) names.push_back(scene.name);
-    return names;
-}
-
-bool Service::loadScene(const std::string& name) {
-    if (std::ranges::find(options_.scenes, name, &SceneRecipe::name) == options_.scenes.end()) return false;
-    SceneListener listener;
-    listener.progress = [](const std::string&, double) {};
-    listener.ready = [name](std::shared_ptr<ResidentScene>) { log().info("{}: loaded for an admin", name); };
-    listener.failed = [name](const std::string& why, std::exception_ptr) { log().warn("{}: {}", name, why); };
-    adminScene_ = cache_.open(name, std::move(listener));
-    return true;
-}
-
 bool Service::grantPixels(uint32_t viewer, uint64_t pixels) {
     std::lock_guard lock(mutex_);
     uint64_t others = 0;

@@ -42,10 +42,6 @@ public:
     /// Viewers that have gone and loads of scenes that are over: after each there is memory to give back.
     uint64_t leftCount() const { return left_; }
     std::string url() const { return socket_.url(); }
-    std::string urls() const { return socket_.urls(); }
-    /// Takes other certificates, tokens, origins and limits of viewers. Throws InputError, and changes nothing, if they do not
-    /// fit.
-    void reload(const SocketAccess& access) { socket_.reload(access); }
     int port() const { return socket_.port(); }
 
 private:
@@ -65,8 +61,6 @@ private:
     Readiness readiness() override;
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
-    std::vector<std::string> sceneNames() override;
-    bool loadScene(const std::string& name) override;
 
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
@@ -95,7 +89,6 @@ private:
 
     SceneCache cache_;                  // after the sessions: its devices tell them of faults for as long as they live
     std::shared_ptr<void> firstScene_;  // ticket
-    std::shared_ptr<void> adminScene_;  // ticket of what an admin had loaded last; the socket's thread alone
     SocketServer socket_;
     std::jthread attendant_, reaper_;
 };

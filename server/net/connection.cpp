@@ -105,16 +105,6 @@ std::optional<CloseCode> Connection::receive(std::string_view piece, bool binary
     return std::nullopt;
 }
 
-std::optional<CloseCode> Connection::receiveFrame(size_t bytes, double now) {
-    if (bytes_.take(static_cast<double>(bytes), now) && messages_.take(1.0, now)) return std::nullopt;
-    return CloseCode::policyViolation;
-}
-
-bool Connection::closeAsked() const {
-    std::lock_guard lock(mutex_);
-    return closing_.has_value();
-}
-
 void Connection::disconnect() {
     std::lock_guard lock(mutex_);
     gone_ = true;

@@ -1,6 +1,6 @@
 #pragma once
-// One WebSocket connection: what waits to be written, and the pieces of the message that is just arriving. Knows no
-// socket; a channel moves its bytes.
+// One WebSocket connection: what waits to be written, and the pieces of the message that is just arriving. Knows nothing
+// of libwebsockets; socket_server moves its bytes.
 
 #include "server/net/rate_limit.h"
 #include "server/net/viewer_socket.h"
@@ -43,10 +43,6 @@ public:
 
     /// Takes a piece of an incoming message. Returns the code to close with if the message breaks a rule.
     std::optional<CloseCode> receive(std::string_view piece, bool binary, bool last, double now);
-    /// A frame that ends no message came: a ping, a pong, a fragment. They count as messages, too.
-    std::optional<CloseCode> receiveFrame(size_t bytes, double now);
-    /// It is to be closed, maybe after what is just being written.
-    bool closeAsked() const;
     /// The connection has gone: nothing is kept or sent any more.
     void disconnect();
 

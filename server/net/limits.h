@@ -20,27 +20,13 @@
     LIMIT(uint32_t, MAX_SIDE, 8192, "pixels", "largest width and height of a picture; more: `error`")                        \
     LIMIT(uint64_t, MAX_PIXELS, 33177600, "pixels", "of a picture (7680 x 4320); more: `error`")                             \
     LIMIT(uint64_t, FILM_PIXELS, 298598400, "pixels", "of all viewers' films together, three films a viewer; more: `error`") \
-    LIMIT(size_t, MAX_VIEWERS, 32, "viewers", "unless `--max-viewers` says otherwise; another one: HTTP 503 or close 1013")  \
-    LIMIT(size_t, MAX_GUESTS, 32, "viewers", "that have not said the token yet; another one: the oldest goes, close 1013")   \
-    LIMIT(size_t, SPARE_CONNECTIONS, 512, "connections", "beside the viewers; another one: the oldest idle one goes")        \
-    LIMIT(size_t, SPARE_PER_ADDRESS, 256, "connections", "of one address beside the viewers; as above")                      \
-    LIMIT(size_t, RESERVED_CONNECTIONS, 16, "connections", "where none is idle: `/healthz`, `/readyz`, `/metrics` alone")    \
-    LIMIT(size_t, REQUEST_TARGET_LIMIT, 4096, "bytes", "path and query of a request; more: HTTP 414")                        \
-    LIMIT(size_t, REQUEST_HEAD_LIMIT, 16384, "bytes", "request line and headers; more: HTTP 431")                            \
-    LIMIT(size_t, REQUEST_HEADERS_LIMIT, 128, "headers", "of a request; more: HTTP 431")                                     \
-    LIMIT(std::chrono::seconds, REQUEST_WAIT, 10, "seconds", "until a request is whole, TLS included; longer: HTTP 408")     \
-    LIMIT(std::chrono::seconds, KEEP_ALIVE, 15, "seconds", "between requests; longer: the server hangs up")                  \
-    LIMIT(int, FREE_GUESSES, 10, "tokens", "wrong ones of an address, each answered later; more: 1 s locked out, doubling")  \
-    LIMIT(std::chrono::seconds, LONGEST_LOCKOUT, 300, "seconds", "that an address is locked out for a wrong token")          \
-    LIMIT(std::chrono::seconds, GUESS_MEMORY, 600, "seconds", "without a wrong token; longer: they are forgotten")           \
+    LIMIT(size_t, MAX_VIEWERS, 32, "viewers", "unless `--max-viewers` says otherwise; another one: HTTP 503")                \
     LIMIT(uint32_t, MAX_UNACKED, 2, "frames", "on their way to a viewer; nothing more is sent until one is acknowledged")    \
     LIMIT(size_t, PICTURES_WAITING, 2, "pictures", "that wait for a viewer who reads slowly; more: close 4008")              \
     LIMIT(size_t, TEXT_WAITING, 4194304, "bytes", "of text that wait for a viewer who reads slowly; more: close 4008")       \
     LIMIT(std::chrono::seconds, TOKEN_WAIT, 5, "seconds", "for the token; longer: close 4001")                               \
     LIMIT(std::chrono::seconds, STALL_PAUSE, 2, "seconds", "without an acknowledgement; longer: nothing is rendered ahead")  \
     LIMIT(std::chrono::seconds, STALL_CLOSE, 10, "seconds", "without an acknowledgement; longer: close 4008")                \
-    LIMIT(std::chrono::seconds, WRITE_WINDOW, 10, "seconds", "in which who is sent something takes 4,096 bytes; less: 4008") \
-    LIMIT(std::chrono::seconds, CLOSE_WAIT, 2, "seconds", "until a close frame is out; longer: the connection is cut")       \
     LIMIT(std::chrono::seconds, IDLE_PING, 15, "seconds", "of silence; longer: the server pings")                            \
     LIMIT(std::chrono::seconds, IDLE_CLOSE, 30, "seconds", "of silence; longer: the server hangs up")
 

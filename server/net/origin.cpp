@@ -2,8 +2,6 @@
 
 #include "server/base/error.h"
 
-#include <arpa/inet.h>
-
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -35,16 +33,8 @@ Authority splitAuthority(std::string_view text) {
 
 }  // namespace
 
-std::string ListenAddress::text() const {
-    if (systemd) return "systemd";
-    if (!path.empty()) return "unix:" + path;
-    return (host.find(':') == host.npos ? host : "[" + host + "]") + ":" + std::to_string(port);
-}
-
 ListenAddress parseListenAddress(const std::string& text) {
-    const char* allowed = "HOST:PORT with a port from 0 to 65535, as 127.0.0.1:8080 or [::1]:8080; unix:/PATH; systemd";
-    if (text == "systemd") return {"", 0, "", true};
-    if (text.starts_with("unix:/") && text.size() > 6) return {"", 0, text.substr(5), false};
+    const char* allowed = "HOST:PORT with a port from 0 to 65535, as 127.0.0.1:8080 or [::1]:8080";
     bool bare = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
     Authority parts = bare ? Authority{"", text} : splitAuthority(text);
     ListenAddress result;
@@ -64,22 +54,6 @@ ListenAddress parseListenAddress(const std::string& text) {
 bool isLoopback(std::string_view host) {
     return host == "localhost" || host == "::1" ||
            (host.starts_with("127.") && host.find_first_not_of("0123456789.") == host.npos);
-}
-
-bool hostAllowed(std::string_view host, const std::vector<std::string>& allowed, bool loopbackOnly, bool hasToken,
-                 std::string_view machine) {
-    if (hasToken || host.empty()) return true;  // empty: HTTP/1.0, which no browser speaks
-    const std::string name = splitAuthority(host).host;
-    if (name.empty()) return false;
-    if (isLoopback(name)) return true;
-    for (const std::string& origin : allowed) {
-        const size_t scheme = origin.find("://");
-        if (scheme != origin.npos && splitAuthority(std::string_view(origin).substr(scheme + 3)).host == name) return true;
-    }
-    if (loopbackOnly) return false;
-    unsigned char address[16];
-    if (inet_pton(AF_INET, name.c_str(), address) == 1 || inet_pton(AF_INET6, name.c_str(), address) == 1) return true;
-    return !machine.empty() && (name == lower(machine) || name == lower(machine) + ".local");
 }
 
 bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed, bool loopbackOnly) {

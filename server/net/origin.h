@@ -8,30 +8,17 @@
 
 namespace heliograph {
 
-/// An address to listen on: host without brackets, and port; or a unix socket; or what systemd handed over.
+/// An address to listen on: host without brackets, and port.
 struct ListenAddress {
     std::string host = "127.0.0.1";
-    int port = 8080;       // 0: any free one
-    std::string path;      // of a unix socket; then host and port mean nothing
-    bool systemd = false;  // the sockets of LISTEN_FDS
-
-    /// "127.0.0.1:8080", "[::1]:8080", "unix:/run/heliograph.sock", "systemd"
-    std::string text() const;
+    int port = 8080;  // 0: any free one
 };
 
-/// Reads "127.0.0.1:8080", "[::1]:8080", "localhost:8080", ":8080" (this machine), "8080", "unix:/run/heliograph.sock" or
-/// "systemd". Throws InputError.
+/// Reads "127.0.0.1:8080", "[::1]:8080", "localhost:8080", ":8080" (this machine) or "8080". Throws InputError.
 ListenAddress parseListenAddress(const std::string& text);
 
 /// The host is reached from this machine alone.
 bool isLoopback(std::string_view host);
-
-/// Whether a request may name us by this `Host` header. Pages of names that were made to resolve to our address would pass
-/// as our own, so without a token only addresses, names of this machine (`machine` is what it calls itself) and the hosts of
-/// `allowed` origins do; with `loopbackOnly` no addresses but loopback ones. With a token any name passes: such a page does
-/// not know it.
-bool hostAllowed(std::string_view host, const std::vector<std::string>& allowed, bool loopbackOnly, bool hasToken,
-                 std::string_view machine);
 
 /// `origin` and `host` are the request's headers, empty where they lack. A request without origin comes from no page and
 /// passes. Else the origin has to be in `allowed` or name the same host and port as `host`. With `loopbackOnly` the host

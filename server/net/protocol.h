@@ -26,12 +26,9 @@ enum class CloseCode : uint16_t {
     normal = 1000,
     goingAway = 1001,
     unsupportedData = 1003,
-    protocolError = 1002,
-    notUtf8 = 1007,
     policyViolation = 1008,
     messageTooBig = 1009,
     serverError = 1011,
-    tryAgainLater = 1013,
     unauthorized = 4001,  // no token within 5 seconds, or a wrong one
     stalled = 4008,       // frames on their way were not acknowledged for 10 seconds
 };

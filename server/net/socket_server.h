@@ -1,6 +1,6 @@
 #pragma once
-// The port of the server: the client's files, /healthz, /readyz, /metrics and /admin over HTTP/1.1, viewers over WebSocket on
-// /ws. One thread serves all connections (socket_loop.h); other threads only wake it.
+// The one port of the server, by libwebsockets: the client's files, /healthz, /readyz and /metrics over HTTP/1.1, viewers
+// over WebSocket on /ws. One thread serves all connections; other threads only wake it (lws_cancel_service).
 
 #include "server/net/client_files.h"
 #include "server/net/origin.h"
@@ -10,33 +10,13 @@
 
 namespace heliograph {
 
-/// What can be changed while the server runs.
-struct SocketAccess {
+struct SocketOptions {
+    ListenAddress listen;
     std::string certificateFile;  // PEM; with keyFile: TLS
     std::string keyFile;
-    std::string token;                        // of viewers; empty: none is asked for
-    std::string adminToken;                   // of /admin; empty: there is no /admin
+    std::string token;                        // empty: none is asked for
     std::vector<std::string> allowedOrigins;  // beside the server's own, as "https://example.org"
     size_t maxViewers = MAX_VIEWERS;
-};
-
-/// How long things may last.
-struct SocketTimes {
-    std::chrono::milliseconds request = REQUEST_WAIT;  // until a request is whole
-    std::chrono::milliseconds keepAlive = KEEP_ALIVE;  // between requests
-    std::chrono::milliseconds token = TOKEN_WAIT;      // until it is said
-    std::chrono::milliseconds write = WRITE_WINDOW;    // in which something has to be taken of what is sent
-    std::chrono::milliseconds close = CLOSE_WAIT;      // until a close frame is out
-};
-
-struct SocketOptions : SocketAccess {
-    ListenAddress listen;
-    std::vector<ListenAddress> moreListens;
-    bool insecure = false;                        // other machines need no token
-    size_t maxGuests = MAX_GUESTS;                // viewers that have not said the token yet
-    size_t spareConnections = SPARE_CONNECTIONS;  // beside the viewers
-    size_t spareConnectionsPerAddress = SPARE_PER_ADDRESS;
-    SocketTimes times;
     ClientFiles files;
 };
 
@@ -44,13 +24,10 @@ struct SocketOptions : SocketAccess {
 class SocketHandler {
 public:
     virtual ~SocketHandler() = default;
-    /// A viewer connected. `authorized`: it brought the token, where one is asked for; nobody comes here without. An exception
-    /// (no thread, no memory) closes its connection with 1013.
+    /// A viewer connected. `authorized`: it brought the token as `Authorization: Bearer`.
     virtual std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) = 0;
     /// It has gone; its socket takes nothing any more. `code`: what the server closed with; nothing where the viewer left.
     virtual void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) = 0;
-    /// What its connection ended with: the code that was sent or came, 0 where there was none. Comes before `closed`.
-    virtual void ended(uint16_t closeCode, const std::string& why) { (void)closeCode, (void)why; }
     /// A connection was turned away with this HTTP status.
     virtual void refused(unsigned status, const std::string& why) = 0;
     virtual std::string metricsText() = 0;
@@ -64,39 +41,22 @@ public:
     virtual bool ending() = 0;
     /// The socket's thread moves; comes some time after SocketServer::wake.
     virtual void turned() = 0;
-    /// Empty when another viewer may enter, else why not now.
-    virtual std::string mayEnter() { return {}; }
-    /// Scenes on offer, for admins.
-    virtual std::vector<std::string> sceneNames() { return {}; }
-    /// An admin wants it loaded; false for an unknown name.
-    virtual bool loadScene(const std::string& name) {
-        (void)name;
-        return false;
-    }
 };
 
 class SocketServer {
 public:
-    /// Binds the addresses and raises the limit of descriptors. Throws InputError if one is taken or a certificate does not
-    /// fit.
+    /// Binds the port. Throws InputError if it is taken or a certificate does not fit.
     SocketServer(SocketOptions options, SocketHandler& handler);
     ~SocketServer();
 
-    /// The port in use; of the first address.
+    /// The port in use.
     int port() const;
-    /// "http://127.0.0.1:8080"; of the first address.
+    /// "http://127.0.0.1:8080"
     std::string url() const;
-    /// All of them, with ", " between.
-    std::string urls() const;
     /// Begins to serve, on a thread of its own.
     void start();
     /// Makes the socket's thread say that it moves.
     void wake();
-    /// Takes other certificates, tokens, origins and limits, from any thread; connections that are there stay as they are.
-    /// Throws InputError, and changes nothing, where a certificate does not fit or TLS would begin or end.
-    void reload(const SocketAccess& access);
-    /// From now on no new viewers are let in (503, and /readyz says so), or they are again. From any thread.
-    void drain(bool draining);
     /// Says goodbye to the viewers and ends within some 0.2 s.
     void stop();
 

@@ -1,5 +1,5 @@
 #pragma once
-// The connection to one viewer as its session sees it. connection.h implements it for sockets, tests over memory.
+// The connection to one viewer as its session sees it. socket_server.h implements it over libwebsockets, tests over memory.
 
 #include "server/net/protocol.h"
 
@@ -37,8 +37,6 @@ public:
     virtual ~ViewerPeer() = default;
     /// A text message came.
     virtual void receive(std::string_view text) = 0;
-    /// The number that it goes by, as in `hello`.
-    virtual uint32_t viewer() const { return 0; }
     /// A frame or picture left for the viewer: seconds since it was encoded, and processor seconds spent handing it to the system.
     virtual void written(FrameKind kind, double waitSeconds, double writeSeconds) = 0;
 };

@@ -25,9 +25,7 @@ const OptionRow ROWS[] = {
     {"scene", &O::scene, "SCENE", "courtyard, cathedral, glass, cornell, or a .gltf, .glb or .obj file", false, 0, 0,
      checkName},
     {"listen", &O::listen, "HOST:PORT",
-     "Address and port, 127.0.0.1:8080 unless given; port 0 takes a free one. Or unix:/PATH, or systemd\nfor the sockets of "
-     "its "
-     ".socket unit. May be given several times. Anything but this machine's own\naddress needs --token-file or --insecure",
+     "Address and port; port 0 takes a free one. Anything but this machine's own address needs\n--token-file or --insecure",
      false, 0, 0, checkListen},
     {"devices", &O::devices, "auto|LIST",
      "What viewers may render with: auto for all that is here, or names of the setting device below\nwith commas between, the "
@@ -38,8 +36,6 @@ const OptionRow ROWS[] = {
     {"set", &O::settings, "KEY=VALUE", "What viewers start with; may be given several times", true, 0, 0, checkSetting},
     {"token-file", &O::tokenFile, "FILE",
      "File whose first line is the secret that viewers have to know (open the page with #token=SECRET)", true},
-    {"admin-token-file", &O::adminTokenFile, "FILE",
-     "File whose first line is the secret of admins: they list viewers, disconnect one, open scenes, drain\n(/admin)", true},
     {"insecure", &O::insecure, "", "Serve other machines without a token"},
     {"tls-cert", &O::certificate, "FILE", "Certificate for https (PEM)", true},
     {"tls-key", &O::key, "FILE", "Its key (PEM)", true},
@@ -47,10 +43,6 @@ const OptionRow ROWS[] = {
     {"allow-origin", &O::origins, "URL", "Another origin whose pages may connect, as https://example.org", true, 0, 0,
      checkName},
     {"max-viewers", &O::maxViewers, "N", "Viewers at once", true, 1, 1000},
-    {"max-guests", &O::maxGuests, "N", "Viewers that have not said the token yet; the oldest goes", false, 1, 1000},
-    {"spare-connections", &O::spareConnections, "N",
-     "Connections beside those of viewers, 16 more for health checks; the oldest idle one goes", false, 0, 10000},
-    {"spare-connections-per-address", &O::spareConnectionsPerAddress, "N", "The same of one address", false, 0, 10000},
     {"watchdog", &O::watchdogSeconds, "SECONDS",
      "A part of the server that has not moved for so long is named in the log and by /readyz, and the\nservice manager is not "
      "told any more that all is well",

@@ -15,19 +15,16 @@ namespace heliograph {
 /// The options' values, as they are used.
 struct ServeOptions {
     std::string scene = "courtyard";
-    std::vector<std::string> listen = {"127.0.0.1:8080"};
+    std::string listen = "127.0.0.1:8080";
     std::vector<std::string> devices;   // empty: all that are here
     std::string environment;            // file, or empty
     std::vector<std::string> settings;  // key=value, later ones win
-    std::string tokenFile, adminTokenFile;
+    std::string tokenFile;
     bool insecure = false;
     std::string certificate, key;
     std::string client;
     std::vector<std::string> origins;
     uint64_t maxViewers = MAX_VIEWERS;
-    uint64_t maxGuests = MAX_GUESTS;
-    uint64_t spareConnections = SPARE_CONNECTIONS;
-    uint64_t spareConnectionsPerAddress = SPARE_PER_ADDRESS;
     uint64_t watchdogSeconds = 20;
     std::string logLevel = "info";
     bool logJson = false;

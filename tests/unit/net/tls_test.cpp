@@ -4,8 +4,6 @@
 #include "server/net/socket_server.h"
 
 #include "server/base/error.h"
-#include "server/net/web/tls.h"
-#include "tests/support/web_client.h"
 
 #include <gtest/gtest.h>
 
@@ -30,8 +28,7 @@ struct Certificate {
     fs::path folder;
     std::string certificateFile, keyFile;
 
-    /// `seconds`: from now to its end. `password`: the key is encrypted with it.
-    explicit Certificate(long seconds = 3600, const char* password = nullptr) {
+    Certificate() {
         std::string pattern = (fs::temp_directory_path() / "heliograph-XXXXXX").string();
         folder = mkdtemp(pattern.data());
         certificateFile = (folder / "cert.pem").string();
@@ -40,8 +37,8 @@ struct Certificate {
         X509* x509 = X509_new();
         X509_set_version(x509, 2);
         ASN1_INTEGER_set(X509_get_serialNumber(x509), 1);
-        X509_gmtime_adj(X509_getm_notBefore(x509), -7200);
-        X509_gmtime_adj(X509_getm_notAfter(x509), seconds);
+        X509_gmtime_adj(X509_getm_notBefore(x509), -60);
+        X509_gmtime_adj(X509_getm_notAfter(x509), 3600);
         X509_set_pubkey(x509, key);
         X509_NAME* name = X509_get_subject_name(x509);
         X509_NAME_add_entry_by_txt(name, "CN", MBSTRING_ASC, reinterpret_cast<const unsigned char*>("localhost"), -1, -1, 0);
@@ -51,8 +48,7 @@ struct Certificate {
         PEM_write_X509(file, x509);
         std::fclose(file);
         file = std::fopen(keyFile.c_str(), "w");
-        if (!password) PEM_write_PrivateKey(file, key, nullptr, nullptr, 0, nullptr, nullptr);
-        else PEM_write_PKCS8PrivateKey(file, key, EVP_aes_256_cbc(), password, 4, nullptr, nullptr);
+        PEM_write_PrivateKey(file, key, nullptr, nullptr, 0, nullptr, nullptr);
         std::fclose(file);
         X509_free(x509);
         EVP_PKEY_free(key);
@@ -116,16 +112,6 @@ struct TlsClient {
         ::close(fd);
     }
     bool shakeHands() { return SSL_connect(ssl) == 1; }
-    /// The certificate that the server showed, as bytes.
-    std::string shown() const {
-        X509* x509 = SSL_get1_peer_certificate(ssl);
-        unsigned char* der = nullptr;
-        const int length = i2d_X509(x509, &der);
-        std::string bytes(reinterpret_cast<char*>(der), static_cast<size_t>(std::max(length, 0)));
-        OPENSSL_free(der);
-        X509_free(x509);
-        return bytes;
-    }
     std::string agreed() const {
         const unsigned char* name = nullptr;
         unsigned length = 0;
@@ -178,74 +164,6 @@ TEST(Tls, AKeyOfAnotherCertificateIsSaid) {
     mixed.keyFile = other.keyFile;
     Sender sender;
     EXPECT_THROW(SocketServer(mixed, sender), InputError);
-}
-
-TEST(Tls, AnEncryptedKeyIsRefusedWithTheReason) {
-    Certificate encrypted(3600, "word");
-    Sender sender;
-    try {
-        SocketServer server(options(encrypted), sender);
-        FAIL() << "nobody said the password";
-    } catch (const InputError& error) {
-        EXPECT_NE(std::string(error.what()).find(encrypted.keyFile + ": the key is encrypted"), std::string::npos)
-            << error.what();
-    }
-}
-
-TEST(Tls, DatesAndOpenKeysAreWarnedOf) {
-    auto warnings = [](long seconds, fs::perms others) {
-        Certificate certificate(seconds);
-        fs::permissions(certificate.keyFile, fs::perms::owner_read | others);
-        std::vector<std::string> lines;
-        loadTls(certificate.certificateFile, certificate.keyFile, lines);
-        std::string all;
-        for (const std::string& line : lines) all += line + "\n";
-        return all;
-    };
-    EXPECT_NE(warnings(-60, {}).find("the certificate has expired on "), std::string::npos);
-    EXPECT_NE(warnings(3600, {}).find("the certificate expires on "), std::string::npos);
-    EXPECT_EQ(warnings(100L * 24 * 3600, {}), "");
-    EXPECT_NE(warnings(100L * 24 * 3600, fs::perms::others_read).find("everybody on this machine can read it"),
-              std::string::npos);
-}
-
-TEST(Tls, ARenewedCertificateIsShownWithoutARestart) {
-    Certificate first, second;
-    Sender sender;
-    SocketServer server(options(first), sender);
-    server.start();
-    TlsClient before(server.port());
-    ASSERT_TRUE(before.shakeHands());
-    server.reload(options(second));
-    std::string shown;
-    for (int i = 0; i < 100 && (shown.empty() || shown == before.shown()); i++) {
-        TlsClient after(server.port());
-        ASSERT_TRUE(after.shakeHands());
-        shown = after.shown();
-    }
-    EXPECT_NE(shown, before.shown());
-    before.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");  // who came before stays
-    EXPECT_TRUE(before.read(15).starts_with("HTTP/1.1 200 OK"));
-    SocketOptions none = options(second);
-    none.certificateFile.clear();
-    EXPECT_THROW(server.reload(none), InputError);
-}
-
-TEST(Tls, HandshakesThatStopHalfWayDoNotStopOthers) {
-    Certificate certificate;
-    Sender sender;
-    SocketOptions quick = options(certificate);
-    quick.spareConnections = 20;
-    quick.times.request = std::chrono::milliseconds(300);
-    SocketServer server(quick, sender);
-    server.start();
-    std::vector<std::unique_ptr<test::WebClient>> half;
-    for (int i = 0; i < 60; i++) {
-        half.push_back(std::make_unique<test::WebClient>(server.port()));
-        half.back()->send(std::string("\x16\x03\x01\x02\x00\x01\x00", 7));
-    }
-    EXPECT_TRUE(TlsClient(server.port()).shakeHands());
-    for (auto& client : half) EXPECT_TRUE(client->untilClosed());  // evicted, or after its time
 }
 
 }  // namespace
