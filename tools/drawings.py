@@ -74,17 +74,19 @@ def rooms():
     d.box(24, row(9), 912, 48, 'base', 'errors, log, clock, mailbox, progress, words', fill=YELLOW)
     d.arrow((480, row(8) + 48), (480, row(9)))
 
-    d.box(676, row(1), 260, 48, 'lab', 'benchmarks, the simulator')
-    d.arrow((676, row(1) + 36), (652, row(1) + 36), (652, row(2) + 14), (630, row(2) + 14))
-    d.box(676, row(2), 260, 48, 'device/embree', 'the processor, by Embree', fill=RED)
-    d.box(676, row(3), 260, 48, 'device/vulkan', 'core, tree, trace, raster, bench', fill=RED)
-    for i in (2, 3):
-        d.arrow((676, row(i) + 24), (654, row(i) + 24), (654, row(4) + 24), (630, row(4) + 24))
+    d.box(676, row(1), 260, 48, 'operations', 'configuration, metrics, service manager')
+    d.box(676, row(2), 260, 48, 'lab', 'benchmarks, the simulator')
+    for i in (1, 2):
+        d.arrow((676, row(i) + 24), (630, row(i) + 24))
+    d.box(676, row(3), 260, 48, 'device/embree', 'the processor, by Embree', fill=RED)
+    d.box(676, row(4), 260, 48, 'device/vulkan', 'core, tree, trace, raster, bench', fill=RED)
+    d.arrow((676, row(3) + 24), (654, row(3) + 24), (654, row(4) + 14), (630, row(4) + 14))
+    d.arrow((676, row(4) + 24), (630, row(4) + 24))
     d.box(676, row(7), 260, 48, 'scene/{build,load,generate}', 'files and recipes become a scene', fill=GREEN)
     d.arrow((676, row(7) + 24), (630, row(7) + 24))
 
     d.box(24, row(1), 260, 48, 'client-web', 'the page, in the browser', dashed=True)
-    d.box(24, row(2), 260, 48, 'net', 'bytes on the wire', fill=GREEN)
+    d.box(24, row(2), 260, 48, 'net', 'messages; net/web: sockets and HTTP', fill=GREEN)
     d.arrow((330, row(1) + 36), (308, row(1) + 36), (308, row(2) + 14), (284, row(2) + 14))
     d.arrow((154, row(1) + 48), (154, row(2)), dashed=True, words='WebSocket', at=(166, row(2) - 3), anchor='start')
     d.arrow((284, row(2) + 36), (308, row(2) + 36), (308, row(6) + 24), (330, row(6) + 24))
