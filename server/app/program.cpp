@@ -2,6 +2,7 @@
 
 #include "server/app/bench_command.h"
 #include "server/app/devices_command.h"
+#include "server/app/doctor_command.h"
 #include "server/app/inspect_command.h"
 #include "server/app/render_command.h"
 #include "server/app/serve_command.h"
@@ -72,6 +73,7 @@ int runProgram(int argc, const char* const* argv) {
     addInspectCommand(app, run);
     addDevicesCommand(app, run);
     addBenchCommand(app, run);
+    addDoctorCommand(app, run);
     try {
         app.parse(argc, argv);
         int code = run();

@@ -6,11 +6,11 @@
 #include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/text.h"
-#include "server/net/token.h"
 #include "server/operations/configuration.h"
 #include "server/operations/memory.h"
 #include "server/operations/notify.h"
 #include "server/operations/signals.h"
+#include "server/operations/socket_options.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -29,39 +29,6 @@ using namespace std::chrono_literals;
 constexpr auto DRAIN_LIMIT = 1000ms;    // for last frames
 constexpr auto SHUTDOWN_LIMIT = 700ms;  // for work in progress
 constexpr auto LOOK_AROUND = 500ms;     // how often the main thread looks after the others
-
-std::string clientFolder(const std::string& given) {
-    namespace fs = std::filesystem;
-    if (!given.empty()) return given;
-    std::error_code error;
-    fs::path program = fs::read_symlink("/proc/self/exe", error);
-    fs::path installed = program.parent_path() / "../share/heliograph/client";
-    if (!error && fs::exists(installed / "index.html", error)) return installed.lexically_normal().string();
-    fs::path built = HELIOGRAPH_CLIENT_FOLDER;
-    if (fs::exists(built / "index.html", error)) return built.string();
-    throw InputError("client", "not found in " + installed.lexically_normal().string() + " nor in " + built.string(),
-                     "build it there (npm run build in client-web) or name its folder with --client");
-}
-
-SocketOptions socketOptions(const ServeOptions& options) {
-    SocketOptions socket;
-    socket.listen = parseListenAddress(options.listen);
-    if (!options.tokenFile.empty()) socket.token = readTokenFile(options.tokenFile);
-    if (!isLoopback(socket.listen.host) && socket.token.empty() && !options.insecure) {
-        throw InputError("--listen", options.listen + " can be reached from other machines",
-                         "that with --token-file FILE, or with --insecure to let everybody in; or 127.0.0.1");
-    }
-    if (options.certificate.empty() != options.key.empty()) {
-        throw InputError(options.key.empty() ? "--tls-key" : "--tls-cert", "missing",
-                         "both or neither of --tls-cert and --tls-key");
-    }
-    socket.certificateFile = options.certificate;
-    socket.keyFile = options.key;
-    socket.allowedOrigins = options.origins;
-    socket.maxViewers = options.maxViewers;
-    socket.files = readClientFiles(clientFolder(options.client));
-    return socket;
-}
 
 ServiceOptions serviceOptions(const ServeOptions& options) {
     ServiceOptions service;
@@ -85,16 +52,10 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())
         throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");
     service.socket = socketOptions(options);
+    service.socket.files = readClientFiles(clientFolder(options.client));
     service.watchdog = std::chrono::seconds(options.watchdogSeconds);
     return service;
 }
-
-/// What stood on the command line.
-struct CommandLine {
-    std::map<std::string, std::vector<std::string>> values;  // by option; those not given are empty
-    std::string config;
-    bool print = false;
-};
 
 /// A flag of the option's name; SCENE has none.
 void addFlag(CLI::App& command, const OptionRow& row, std::vector<std::string>& values) {
@@ -111,19 +72,8 @@ void addFlag(CLI::App& command, const OptionRow& row, std::vector<std::string>& 
     if (!row.isList() && tomlValue(row, {}) != "\"\"") option->default_str(tomlValue(row, {}));
 }
 
-Configuration configuration(const CommandLine& line, const CLI::App& command) {
-    ConfigurationInputs inputs;
-    if (command.count("--config") > 0) inputs.file = line.config;
-    inputs.environment = processEnvironment();
-    for (const auto& [name, texts] : line.values) {
-        const std::string source = name == "scene" ? "SCENE" : "--" + name;
-        if (!texts.empty()) inputs.flags.push_back({name, GivenValue::Kind::word, texts, source});
-    }
-    return configure(inputs);
-}
-
-int printConfiguration(const CommandLine& line, const CLI::App& command) {
-    std::cout << configurationText(configuration(line, command));
+int printConfiguration(const ServeCommandLine& line, const CLI::App& command) {
+    std::cout << configurationText(serveConfiguration(line, command));
     return 0;
 }
 
@@ -192,10 +142,10 @@ private:
     TrimClock trim_;
 };
 
-int serve(const CommandLine& line, const CLI::App& command) {
+int serve(const ServeCommandLine& line, const CLI::App& command) {
     setUpAllocator();
     const Signals signals;  // first: a signal that comes early waits
-    const Configuration configured = configuration(line, command);
+    const Configuration configured = serveConfiguration(line, command);
     const ServeOptions& options = configured.options;
     setLogJson(options.logJson);
     setLogLevel(options.logLevel);
@@ -221,12 +171,27 @@ int serve(const CommandLine& line, const CLI::App& command) {
 
 }  // namespace
 
-void addServeCommand(CLI::App& app, std::function<int()>& run) {
-    auto line = std::make_shared<CommandLine>();
-    CLI::App* command = app.add_subcommand("serve", "Serve a scene to browsers");
-    for (const OptionRow& row : optionRows()) addFlag(*command, row, line->values[std::string(row.name)]);
-    command->add_option("--config", line->config, "Read options from this file, else from heliograph.toml here if there is one")
+Configuration serveConfiguration(const ServeCommandLine& line, const CLI::App& command) {
+    ConfigurationInputs inputs;
+    if (command.count("--config") > 0) inputs.file = line.config;
+    inputs.environment = processEnvironment();
+    for (const auto& [name, texts] : line.values) {
+        const std::string source = name == "scene" ? "SCENE" : "--" + name;
+        if (!texts.empty()) inputs.flags.push_back({name, GivenValue::Kind::word, texts, source});
+    }
+    return configure(inputs);
+}
+
+void addServeFlags(CLI::App& command, ServeCommandLine& line) {
+    for (const OptionRow& row : optionRows()) addFlag(command, row, line.values[std::string(row.name)]);
+    command.add_option("--config", line.config, "Read options from this file, else from heliograph.toml here if there is one")
         ->type_name("FILE");
+}
+
+void addServeCommand(CLI::App& app, std::function<int()>& run) {
+    auto line = std::make_shared<ServeCommandLine>();
+    CLI::App* command = app.add_subcommand("serve", "Serve a scene to browsers");
+    addServeFlags(*command, *line);
     command->add_flag("--print-config", line->print, "Print all options with where each comes from, and end");
     command->footer(
         "Examples:\n"

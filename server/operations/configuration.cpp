@@ -14,7 +14,7 @@ namespace {
 
 const std::string CONFIG_VARIABLE = "HELIOGRAPH_CONFIG";
 // Of other parts of the program.
-const std::string OTHER_VARIABLES[] = {CONFIG_VARIABLE, "HELIOGRAPH_IMAGE_MODULE", "HELIOGRAPH_CACHE"};
+const std::string OTHER_VARIABLES[] = {CONFIG_VARIABLE, "HELIOGRAPH_IMAGE_MODULE", "HELIOGRAPH_CACHE", "HELIOGRAPH_ISA"};
 
 struct Variable {
     std::string name, value;

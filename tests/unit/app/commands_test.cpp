@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -302,7 +304,8 @@ TEST(Inspection, CountsWhatIsUsed) {
 }
 
 TEST_F(CommandsTest, ServePrintsItsConfiguration) {
-    const Outcome printed = run({"serve", "cornell", "--print-config", "--max-viewers", "7", "--insecure", "--set", "samples=3"});
+    const Outcome printed =
+        run({"serve", "cornell", "--print-config", "--max-viewers", "7", "--insecure", "--set", "samples=3"});
     EXPECT_EQ(printed.code, 0);
     EXPECT_THAT(printed.out, HasSubstr("scene = \"cornell\"  # SCENE\n"));
     EXPECT_THAT(printed.out, HasSubstr("max-viewers = 7  # --max-viewers\n"));
@@ -312,6 +315,29 @@ TEST_F(CommandsTest, ServePrintsItsConfiguration) {
     expectRefused({"serve", "--max-viewers", "0"}, {"--max-viewers: \"0\"; allowed: a whole number from 1 to 1000"});
     expectRefused({"serve", "--config", "/"}, {"/: is a folder"});
     expectRefused({"serve", "--log", "loud"}, {"--log-level: ", "loud", "trace, debug, info"});
+}
+
+TEST_F(CommandsTest, DoctorSaysWhatWouldFail) {
+    const std::string client = std::filesystem::temp_directory_path() / ("heliograph-doctor-" + std::to_string(getpid()));
+    const std::vector<std::string> good = {"doctor",   "cornell", "--listen",  "127.0.0.1:0",
+                                           "--client", client,    "--devices", "embree"};
+    Outcome without = run(good);
+    EXPECT_EQ(without.code, 1) << "no page there";
+    EXPECT_THAT(without.out, HasSubstr("\n! page "));
+    fs::create_directories(client);
+    std::ofstream(client + "/index.html") << "hello";
+    Outcome with = run(good);
+    EXPECT_EQ(with.code, 0) << with.out;
+    EXPECT_THAT(with.out, HasSubstr("shading built for x86-64-v"));
+    std::vector<std::string> bad = good;
+    bad.insert(bad.end(), {"--json", "--max-viewers", "0"});
+    Outcome refused = run(bad);
+    EXPECT_EQ(refused.code, 1);
+    const auto json = ordered_json::parse(refused.out);
+    EXPECT_EQ(json["serves"], false);
+    EXPECT_EQ(json["findings"][0]["about"], "configuration");
+    EXPECT_EQ(json["findings"][0]["state"], "bad");
+    fs::remove_all(client);
 }
 
 }  // namespace

@@ -1,0 +1,113 @@
+#include "server/app/doctor_command.h"
+
+#include "server/app/devices.h"
+#include "server/app/devices_command.h"
+#include "server/app/serve_command.h"
+#include "server/images/image_module.h"
+#include "server/operations/doctor.h"
+#include "server/operations/socket_options.h"
+#include "server/scene/load/scene_source.h"
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+namespace heliograph {
+
+namespace {
+
+using Kind = Finding::Kind;
+
+/// Each device: what it is, and whether viewers may choose it.
+void judgeDevices(const ServeOptions& options, std::vector<Finding>& findings) {
+    std::vector<std::string> words;
+    std::string automatic;
+    Finding offer = judgeAttempt("devices", [&] {
+        const DeviceOffer offered = deviceOffer(options.devices);
+        words = offered.words;
+        automatic = offered.nameOf(Settings());
+        std::string list;
+        for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
+        return "viewers may choose " + list + "; auto is " + automatic;
+    });
+    findings.push_back(offer);
+    for (const auto& row : deviceList()) {
+        const std::string name = row["name"];
+        Finding device{"device " + name, Kind::good, row.value("details", ""), ""};
+        if (row.contains("type")) device.found += ", " + row.value("type", "") + ", " + row.value("driver", "");
+        if (!row["refused"].is_null()) {
+            device.kind = Kind::note;
+            device.means = "not used: " + row.value("refused", "");
+        } else if (name == automatic) {
+            device.means = "used: what auto means";
+        } else if (std::ranges::find(words, name) != words.end()) {
+            device.means = row.value("type", "") == "cpu"
+                               ? "used where it is asked for; it computes on the processor, where embree is faster"
+                               : "used where it is asked for, and by hybrid";
+        } else {
+            device.means = "not used: not among the devices on offer";
+        }
+        findings.push_back(device);
+    }
+}
+
+Finding judgeImageModule() {
+    Finding module = judgeAttempt("picture module", [] {
+        imageModule();
+        return std::string("found");
+    });
+    if (module.kind == Kind::bad) module.kind = Kind::note;
+    module.means = module.kind == Kind::good ? "Radiance HDR and OpenEXR can be read, EXR written"
+                                             : "only needed for Radiance HDR and OpenEXR";
+    return module;
+}
+
+std::vector<Finding> examine(const ServeCommandLine& line, const CLI::App& command) {
+    std::vector<Finding> findings;
+    Configuration configured;
+    findings.push_back(judgeAttempt("configuration", [&] {
+        configured = serveConfiguration(line, command);
+        return configured.file.empty() ? std::string("no file") : configured.file;
+    }));
+    const ServeOptions& options = configured.options;
+    for (const std::string& warning : configured.warnings) findings.push_back({"environment", Kind::note, warning, ""});
+    for (Finding& finding : judgeMachine(machineFacts(), options)) findings.push_back(std::move(finding));
+    judgeDevices(options, findings);
+    std::vector<std::string> recipes;
+    for (const SceneRecipe& recipe : sceneRecipes()) recipes.push_back(recipe.name);
+    findings.push_back(judgeScene(options.scene, recipes));
+    findings.push_back(judgeImageModule());
+    findings.push_back(judgeAttempt("page", [&] {
+        const std::string folder = clientFolder(options.client);
+        return folder + ", " + std::to_string(readClientFiles(folder).size()) + " files";
+    }));
+    findings.push_back(judgeAttempt("access", [&] {
+        const SocketOptions socket = socketOptions(options);
+        return std::string(socket.token.empty() ? "no token is asked for" : "with a token") +
+               (socket.certificateFile.empty() ? ", http" : ", https");
+    }));
+    findings.push_back(judgeAddress(options.listen));
+    return findings;
+}
+
+}  // namespace
+
+void addDoctorCommand(CLI::App& app, std::function<int()>& run) {
+    auto line = std::make_shared<ServeCommandLine>();
+    auto json = std::make_shared<bool>(false);
+    CLI::App* command =
+        app.add_subcommand("doctor", "Tell what is here, and what serve with the same options would use and why");
+    addServeFlags(*command, *line);
+    command->add_flag("--json", *json, "Print JSON");
+    command->footer("Exit code: 0 when serving would work, 1 when it would fail. ! marks why, ? what could be better.");
+    command->callback([&run, line, json, command] {
+        run = [line, json, command] {
+            const std::vector<Finding> findings = examine(*line, *command);
+            if (*json) std::cout << doctorJson(findings).dump(2) << "\n";
+            else std::cout << doctorText(findings);
+            return wouldServe(findings) ? 0 : 1;
+        };
+    });
+}
+
+}  // namespace heliograph

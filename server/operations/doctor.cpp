@@ -1,0 +1,188 @@
+#include "server/operations/doctor.h"
+
+#include "server/base/error.h"
+#include "server/base/machine.h"
+#include "server/base/ports.h"
+#include "server/base/text.h"
+#include "server/net/origin.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <thread>
+
+namespace heliograph {
+
+namespace {
+
+using Kind = Finding::Kind;
+
+constexpr uint64_t SPARE_DESCRIPTORS = 256;      // libraries, scenes, drivers, connections that look at no picture
+constexpr uint64_t LEAST_MEMORY = 512ull << 20;  // bytes; the courtyard with two viewers
+
+std::string mebibytes(uint64_t bytes) { return std::to_string(bytes >> 20) + " MiB"; }
+
+/// A line of /proc/meminfo, in bytes; 0 if it is not there.
+uint64_t memoryLine(const std::string& key) {
+    std::ifstream in("/proc/meminfo");
+    for (std::string line; std::getline(in, line);) {
+        std::istringstream fields(line);
+        std::string name;
+        uint64_t kilobytes = 0;
+        if (fields >> name >> kilobytes && name == key + ":") return kilobytes * 1024;
+    }
+    return 0;
+}
+
+/// Limit of the control group (v2, else v1); 0 if there is none.
+uint64_t controlGroupLimit() {
+    for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
+        std::ifstream in(file);
+        uint64_t bytes = 0;
+        // v1 says "no limit" as a number near 2^63, v2 as "max".
+        if (in >> bytes) return bytes < (1ull << 62) ? bytes : 0;
+    }
+    return 0;
+}
+
+/// errno of binding; 0 if it went well.
+int tryToBind(const ListenAddress& listen) {
+    const bool six = listen.host.find(':') != std::string::npos;
+    sockaddr_in6 address6{};
+    sockaddr_in address4{};
+    address6.sin6_family = AF_INET6;
+    address4.sin_family = AF_INET;
+    address6.sin6_port = address4.sin_port = htons(static_cast<uint16_t>(listen.port));
+    void* bytes = six ? static_cast<void*>(&address6.sin6_addr) : &address4.sin_addr;
+    if (inet_pton(six ? AF_INET6 : AF_INET, listen.host.c_str(), bytes) != 1) return EADDRNOTAVAIL;
+    const int fd = socket(six ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    if (fd < 0) return errno;
+    const int on = 1;
+    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    const auto* address = six ? reinterpret_cast<const sockaddr*>(&address6) : reinterpret_cast<const sockaddr*>(&address4);
+    const int error = bind(fd, address, six ? sizeof address6 : sizeof address4) == 0 ? 0 : errno;
+    close(fd);
+    return error;
+}
+
+Finding judgeMemory(const MachineFacts& facts) {
+    const bool limited = facts.memoryLimit > 0 && facts.memoryLimit < facts.memory;
+    Finding memory{"memory", Kind::good, mebibytes(facts.memory) + ", " + mebibytes(facts.memoryAvailable) + " available", ""};
+    if (limited) {
+        memory.found += ", limited to " + mebibytes(facts.memoryLimit) + " by the control group";
+        memory.means = "the limit counts";
+    }
+    if ((limited ? facts.memoryLimit : facts.memory) < LEAST_MEMORY) {
+        memory.kind = Kind::note;
+        memory.means = "less than " + mebibytes(LEAST_MEMORY) + ": large scenes and pictures will not fit";
+    }
+    return memory;
+}
+
+Finding judgeDescriptors(const MachineFacts& facts, const ServeOptions& options) {
+    const uint64_t needed = options.maxViewers + SPARE_DESCRIPTORS;
+    Finding descriptors{"descriptors", Kind::good,
+                        std::to_string(facts.descriptors) + ", at most " + std::to_string(facts.mostDescriptors),
+                        "enough for " + std::to_string(options.maxViewers) + " viewers"};
+    if (facts.descriptors < needed) {
+        descriptors.kind = Kind::note;
+        descriptors.means = std::to_string(options.maxViewers) + " viewers need up to " + std::to_string(needed) +
+                            "; ulimit -n or LimitNOFILE= raises it";
+    }
+    return descriptors;
+}
+
+const char* word(Kind kind) { return kind == Kind::good ? "good" : kind == Kind::note ? "note" : "bad"; }
+
+}  // namespace
+
+MachineFacts machineFacts() {
+    rlimit limit{};
+    getrlimit(RLIMIT_NOFILE, &limit);
+    MachineFacts facts;
+    facts.processor = processorName();
+    facts.cores = std::max(1l, sysconf(_SC_NPROCESSORS_ONLN));
+    facts.usableCores = usableProcessors();
+    facts.memory = memoryLine("MemTotal");
+    facts.memoryAvailable = memoryLine("MemAvailable");
+    facts.memoryLimit = controlGroupLimit();
+    facts.descriptors = limit.rlim_cur;
+    facts.mostDescriptors = limit.rlim_max;
+    return facts;
+}
+
+std::vector<Finding> judgeMachine(const MachineFacts& facts, const ServeOptions& options) {
+    Finding cores{"cores", Kind::good, std::to_string(facts.usableCores) + " of " + std::to_string(facts.cores),
+                  "all are used"};
+    if (facts.usableCores < facts.cores) cores.means = "affinity or the control group's quota (cpu.max) grants no more";
+    return {{"processor", Kind::good, facts.processor, ""}, cores, judgeMemory(facts), judgeDescriptors(facts, options)};
+}
+
+Finding judgeAddress(const std::string& address) {
+    return judgeAttempt("port", [&]() -> std::string {
+        const ListenAddress listen = parseListenAddress(address);
+        const int error = tryToBind(listen);
+        if (error != 0) throw InputError(address, bindFailure(error, listen.port), "a free port of this machine");
+        return address + (listen.port == 0 ? " takes a free one" : " is free");
+    });
+}
+
+Finding judgeScene(const std::string& scene, const std::vector<std::string>& recipes) {
+    return judgeAttempt("scene", [&]() -> std::string {
+        if (std::ranges::find(recipes, scene) != recipes.end()) return scene + ", made by the program";
+        std::error_code error;
+        const auto status = std::filesystem::status(scene, error);
+        if (std::filesystem::is_regular_file(status)) {
+            std::ifstream file(scene);
+            if (file) return scene + ", a file";
+            throw InputError(scene, "cannot be read: " + std::generic_category().message(errno), "a .gltf, .glb or .obj file");
+        }
+        throw InputError(scene, std::filesystem::exists(status) ? "is no file" : "is not there",
+                         "a .gltf, .glb or .obj file, or a scene of the program");
+    });
+}
+
+Finding judgeAttempt(const std::string& about, const std::function<std::string()>& work) {
+    try {
+        return {about, Kind::good, work(), ""};
+    } catch (const std::exception& error) {
+        return {about, Kind::bad, error.what(), ""};
+    }
+}
+
+bool wouldServe(const std::vector<Finding>& findings) {
+    return std::ranges::none_of(findings, [](const Finding& finding) { return finding.kind == Kind::bad; });
+}
+
+std::string doctorText(const std::vector<Finding>& findings) {
+    constexpr size_t COLUMN = 16;
+    std::string text;
+    for (const Finding& finding : findings) {
+        const char* mark = finding.kind == Kind::good ? "  " : finding.kind == Kind::note ? "? " : "! ";
+        std::string about = oneLine(finding.about);
+        about.resize(std::max(about.size() + 1, COLUMN), ' ');
+        text += mark + about + oneLine(finding.found) + "\n";
+        if (!finding.means.empty()) text += "  " + std::string(COLUMN, ' ') + oneLine(finding.means) + "\n";
+    }
+    return text +
+           (wouldServe(findings) ? "heliograph serve would work.\n" : "heliograph serve would fail: see the lines with !\n");
+}
+
+nlohmann::ordered_json doctorJson(const std::vector<Finding>& findings) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Finding& f : findings)
+        list.push_back({{"about", f.about}, {"state", word(f.kind)}, {"found", oneLine(f.found)}, {"means", oneLine(f.means)}});
+    return {{"serves", wouldServe(findings)}, {"findings", list}};
+}
+
+}  // namespace heliograph

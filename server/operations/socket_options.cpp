@@ -1,0 +1,42 @@
+#include "server/operations/socket_options.h"
+
+#include "server/base/error.h"
+#include "server/net/token.h"
+
+#include <filesystem>
+
+namespace heliograph {
+
+std::string clientFolder(const std::string& given) {
+    namespace fs = std::filesystem;
+    if (!given.empty()) return given;
+    std::error_code error;
+    fs::path program = fs::read_symlink("/proc/self/exe", error);
+    fs::path installed = program.parent_path() / "../share/heliograph/client";
+    if (!error && fs::exists(installed / "index.html", error)) return installed.lexically_normal().string();
+    fs::path built = HELIOGRAPH_CLIENT_FOLDER;
+    if (fs::exists(built / "index.html", error)) return built.string();
+    throw InputError("client", "not found in " + installed.lexically_normal().string() + " nor in " + built.string(),
+                     "build it there (npm run build in client-web) or name its folder with --client");
+}
+
+SocketOptions socketOptions(const ServeOptions& options) {
+    SocketOptions socket;
+    socket.listen = parseListenAddress(options.listen);
+    if (!options.tokenFile.empty()) socket.token = readTokenFile(options.tokenFile);
+    if (!isLoopback(socket.listen.host) && socket.token.empty() && !options.insecure) {
+        throw InputError("--listen", options.listen + " can be reached from other machines",
+                         "that with --token-file FILE, or with --insecure to let everybody in; or 127.0.0.1");
+    }
+    if (options.certificate.empty() != options.key.empty()) {
+        throw InputError(options.key.empty() ? "--tls-key" : "--tls-cert", "missing",
+                         "both or neither of --tls-cert and --tls-key");
+    }
+    socket.certificateFile = options.certificate;
+    socket.keyFile = options.key;
+    socket.allowedOrigins = options.origins;
+    socket.maxViewers = options.maxViewers;
+    return socket;
+}
+
+}  // namespace heliograph
