@@ -8,7 +8,6 @@
 #include "server/operations/socket_options.h"
 #include "server/scene/load/scene_source.h"
 
-#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -16,39 +15,19 @@ namespace heliograph {
 
 namespace {
 
-using Kind = Finding::Kind;
-
 /// Each device: what it is, and whether viewers may choose it.
 void judgeDevices(const ServeOptions& options, std::vector<Finding>& findings) {
     std::vector<std::string> words;
     std::string automatic;
-    Finding offer = judgeAttempt("devices", [&] {
+    findings.push_back(judgeAttempt("devices", [&] {
         const DeviceOffer offered = deviceOffer(options.devices);
         words = offered.words;
         automatic = offered.nameOf(Settings());
         std::string list;
         for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
         return "viewers may choose " + list + "; auto is " + automatic;
-    });
-    findings.push_back(offer);
-    for (const auto& row : deviceList()) {
-        const std::string name = row["name"];
-        Finding device{"device " + name, Kind::good, row.value("details", ""), ""};
-        if (row.contains("type")) device.found += ", " + row.value("type", "") + ", " + row.value("driver", "");
-        if (!row["refused"].is_null()) {
-            device.kind = Kind::note;
-            device.means = "not used: " + row.value("refused", "");
-        } else if (name == automatic) {
-            device.means = "used: what auto means";
-        } else if (std::ranges::find(words, name) != words.end()) {
-            device.means = row.value("type", "") == "cpu"
-                               ? "used where it is asked for; it computes on the processor, where embree is faster"
-                               : "used where it is asked for, and by hybrid";
-        } else {
-            device.means = "not used: not among the devices on offer";
-        }
-        findings.push_back(device);
-    }
+    }));
+    for (Finding& finding : judgeDeviceRows(deviceList(), words, automatic)) findings.push_back(std::move(finding));
 }
 
 Finding judgeImageModule() {
@@ -56,9 +35,8 @@ Finding judgeImageModule() {
         imageModule();
         return std::string("found");
     });
-    if (module.kind == Kind::bad) module.kind = Kind::note;
-    module.means = module.kind == Kind::good ? "Radiance HDR and OpenEXR can be read, EXR written"
-                                             : "only needed for Radiance HDR and OpenEXR";
+    if (module.kind == Finding::Kind::bad) module.kind = Finding::Kind::note;
+    module.means = "for Radiance HDR and OpenEXR alone";
     return module;
 }
 
@@ -70,7 +48,8 @@ std::vector<Finding> examine(const ServeCommandLine& line, const CLI::App& comma
         return configured.file.empty() ? std::string("no file") : configured.file;
     }));
     const ServeOptions& options = configured.options;
-    for (const std::string& warning : configured.warnings) findings.push_back({"environment", Kind::note, warning, ""});
+    for (const std::string& warning : configured.warnings)
+        findings.push_back({"environment", Finding::Kind::note, warning, ""});
     for (Finding& finding : judgeMachine(machineFacts(), options)) findings.push_back(std::move(finding));
     judgeDevices(options, findings);
     std::vector<std::string> recipes;

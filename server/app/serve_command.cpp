@@ -72,15 +72,12 @@ void addFlag(CLI::App& command, const OptionRow& row, std::vector<std::string>& 
     if (!row.isList() && tomlValue(row, {}) != "\"\"") option->default_str(tomlValue(row, {}));
 }
 
-int printConfiguration(const ServeCommandLine& line, const CLI::App& command) {
-    std::cout << configurationText(serveConfiguration(line, command));
-    return 0;
-}
-
 /// The serving process between the service and those who started it: the main thread's work.
 class Steward {
 public:
-    Steward(Service& service, const Signals& signals) : service_(service), signals_(signals) {}
+    /// `configure` reads everything again.
+    Steward(Service& service, const Signals& signals, std::function<Configuration()> configure)
+        : service_(service), signals_(signals), configure_(std::move(configure)), options_(configure_().options) {}
 
     /// Until it is time to end; `name`: of the first scene. Throws what made that fail.
     void serve(const std::string& name) {
@@ -89,6 +86,7 @@ public:
             const Event event = signals_.wait(every);
             if (event == Event::end) return;
             if (event == Event::sceneDone) sceneDone(name);
+            if (event == Event::reload) reload();
             lookAround();
             if (trim_.due(std::chrono::steady_clock::now(), service_.leftCount()))
                 log().debug("{} MiB were given back to the system", returnFreeMemory() >> 20);
@@ -120,7 +118,27 @@ private:
         std::lock_guard lock(mutex_);
         if (failure_) std::rethrow_exception(failure_);
         std::cout << "heliograph: serving " << oneLine(name) << " on " << service_.url() << std::endl;
-        manager_.ready("serving " + name + " on " + service_.url());
+        status_ = "serving " + name + " on " + service_.url();
+        manager_.ready(status_);
+    }
+
+    /// A mistake leaves everything as it was.
+    void reload() {
+        manager_.reloading();
+        try {
+            const ServeOptions next = configure_().options;
+            ServiceReload reload{socketOptions(next), {}, std::chrono::seconds(next.watchdogSeconds)};
+            for (const std::string& setting : next.settings) reload.defaults.setFromText(setting);
+            service_.reload(reload);
+            setLogJson(next.logJson);
+            setLogLevel(next.logLevel);
+            const std::string later = needsRestart(options_, next);
+            if (!later.empty()) log().warn("reloaded, but these need a restart: {}", later);
+            else log().info("reloaded: configuration, token, certificate");
+        } catch (const std::exception& error) {
+            log().error("not reloaded, all stays as it was: {}", error.what());
+        }
+        if (!status_.empty()) manager_.ready(status_);
     }
 
     /// Tells the service manager that all is well, if it is; else the log, once.
@@ -135,6 +153,9 @@ private:
 
     Service& service_;
     const Signals& signals_;
+    const std::function<Configuration()> configure_;
+    const ServeOptions options_;  // as at the start
+    std::string status_;          // once the first scene is there
     ServiceManager manager_;
     std::mutex mutex_;
     std::exception_ptr failure_;
@@ -155,7 +176,7 @@ int serve(const ServeCommandLine& line, const CLI::App& command) {
     const std::string name = assembled.scenes.front().name;
     std::optional<ShutdownLimit> limit;  // lives longer than the service: it watches its end
     Service service(std::move(assembled));
-    Steward steward(service, signals);
+    Steward steward(service, signals, [&] { return serveConfiguration(line, command); });
     service.start([&](std::exception_ptr why) { steward.opened(why); });
     log().info("listening on {}, opening {}", service.url(), name);
     try {
@@ -203,7 +224,11 @@ void addServeCommand(CLI::App& app, std::function<int()>& run) {
         "Ctrl-C ends the server.\n\n" +
         settingsHelp());
     command->callback([&run, line, command] {
-        run = [line, command] { return line->print ? printConfiguration(*line, *command) : serve(*line, *command); };
+        run = [line, command] {
+            if (!line->print) return serve(*line, *command);
+            std::cout << configurationText(serveConfiguration(*line, *command));
+            return 0;
+        };
     });
 }
 

@@ -67,6 +67,13 @@ void Service::start(std::function<void(std::exception_ptr failure)> done) {
     socket_.start();
 }
 
+void Service::reload(const ServiceReload& reload) {
+    socket_.reload(reload.access);
+    std::lock_guard lock(mutex_);
+    current_ = reload;
+    watchdog_ = reload.watchdog.count();
+}
+
 void Service::drain(std::chrono::milliseconds atMost) {
     std::vector<std::shared_ptr<Session>> sessions;
     {
@@ -90,10 +97,10 @@ std::optional<NotReady> Service::unready() const {
     ReadinessFacts facts;
     facts.ending = ending_;
     facts.scene = options_.scenes.front().name;
-    facts.mostViewers = options_.socket.maxViewers;
     facts.stuck = stuck();
     {
         std::lock_guard lock(mutex_);
+        facts.mostViewers = current_.access.maxViewers;
         facts.sceneThere = start_ != nullptr;
         facts.sceneFailure = startFailure_;
         facts.viewers = sessions_.size();
@@ -125,10 +132,10 @@ size_t Service::viewerCount() const {
 }
 
 std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket, bool authorized) {
-    Session::Options options{options_.defaults, options_.socket.token, authorized};
     std::shared_ptr<Session> session;
     {
         std::lock_guard lock(mutex_);
+        Session::Options options{current_.defaults, current_.access.token, authorized};
         SessionHost& host = *this;
         session = std::make_shared<Session>(++lastViewer_, host, std::move(socket), std::move(options));
         sessions_.push_back(session);
@@ -164,13 +171,13 @@ std::string Service::metricsText() {
     ServerState state;
     readProcess(state);
     state.ready = !unready();
-    state.mostViewers = options_.socket.maxViewers;
     state.mostFilmPixels = options_.pixelLimit;
     state.residentScenes = cache_.residentCount();
     state.loadsWaiting = cache_.loadCount();
     {
         std::lock_guard lock(mutex_);
         state.viewers = sessions_.size();
+        state.mostViewers = current_.access.maxViewers;
         for (const auto& [viewer, pixels] : pixels_) state.filmPixels += pixels;
     }
     return heliograph::metricsText(metricFamilies(metrics_, state));

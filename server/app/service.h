@@ -23,6 +23,13 @@ struct ServiceOptions {
     std::chrono::seconds watchdog{20};  // a part that has not moved for so long is stuck
 };
 
+/// What can be changed while it runs.
+struct ServiceReload {
+    SocketAccess access;
+    Settings defaults;  // of viewers that come later
+    std::chrono::seconds watchdog{20};
+};
+
 class Service : private SessionHost, private SocketHandler {
 public:
     /// Binds the port. Throws InputError.
@@ -32,13 +39,15 @@ public:
 
     /// Begins to serve and to load the first scene. `done` is called once from another thread, with why it failed or null.
     void start(std::function<void(std::exception_ptr failure)> done);
+    /// Throws InputError, and changes nothing, as SocketServer::reload.
+    void reload(const ServiceReload& reload);
     /// The beginning of the end: viewers are told, nobody is let in, and inputs are not taken any more. `atMost`: until the
     /// destructor comes.
     void drain(std::chrono::milliseconds atMost);
     /// Every viewer has the answer to its last input.
     bool drained() const;
     /// Parts that have not moved for as long as the option says.
-    std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), options_.watchdog); }
+    std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), std::chrono::seconds(watchdog_)); }
     /// Viewers that have gone and loads of scenes that are over: after each there is memory to give back.
     uint64_t leftCount() const { return left_; }
     std::string url() const { return socket_.url(); }
@@ -68,7 +77,8 @@ private:
     std::optional<NotReady> unready() const;
     void tellEverybody(const std::string& what);
 
-    const ServiceOptions options_;
+    const ServiceOptions options_;                              // as at the start
+    std::atomic<int64_t> watchdog_{options_.watchdog.count()};  // seconds
     TileScheduler scheduler_;
     Metrics metrics_;
 
@@ -77,6 +87,7 @@ private:
     std::vector<std::shared_ptr<Session>> sessions_;
     std::vector<std::shared_ptr<Session>> ended_;  // to be destroyed by the reaper, which waits for their threads
     std::map<uint32_t, uint64_t> pixels_;          // granted, by viewer
+    ServiceReload current_{options_.socket, options_.defaults, options_.watchdog};
     uint32_t lastViewer_ = 0;
     std::shared_ptr<ResidentScene> start_;  // stays in memory, so that a newcomer always sees something at once
     std::string startFailure_;

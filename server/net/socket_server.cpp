@@ -3,23 +3,17 @@
 #include "server/base/clock.h"
 #include "server/base/error.h"
 #include "server/base/log.h"
-#include "server/base/ports.h"
 #include "server/net/connection.h"
+#include "server/net/port.h"
 #include "server/net/token.h"
 
 #include <libwebsockets.h>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <openssl/ssl.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <cstring>
-#include <system_error>
 #include <fstream>
 #include <map>
 #include <set>
@@ -59,34 +53,6 @@ void libraryLog(int level, const char* line) {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
     if (level == LLL_ERR) lastLibraryError() = text;
     log().debug("libwebsockets: {}", text);
-}
-
-/// Why the address cannot be listened on, or an empty string. Asked beforehand: the library only says that it failed.
-std::string bindProblem(const ListenAddress& listen) {
-    const bool six = listen.host.find(':') != std::string::npos;
-    sockaddr_storage address{};
-    socklen_t size = 0;
-    if (six) {
-        auto* a = reinterpret_cast<sockaddr_in6*>(&address);
-        a->sin6_family = AF_INET6;
-        a->sin6_port = htons(static_cast<uint16_t>(listen.port));
-        size = sizeof *a;
-        if (inet_pton(AF_INET6, listen.host.c_str(), &a->sin6_addr) != 1) return "no IPv6 address";
-    } else {
-        auto* a = reinterpret_cast<sockaddr_in*>(&address);
-        a->sin_family = AF_INET;
-        a->sin_port = htons(static_cast<uint16_t>(listen.port));
-        size = sizeof *a;
-        if (inet_pton(AF_INET, listen.host.c_str(), &a->sin_addr) != 1) return "no IPv4 address";
-    }
-    int fd = socket(six ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd < 0) return std::generic_category().message(errno);
-    int on = 1;
-    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    bool bound = bind(fd, reinterpret_cast<sockaddr*>(&address), size) == 0;
-    std::string problem = bound ? "" : bindFailure(errno, listen.port);
-    ::close(fd);
-    return problem;
 }
 
 std::string header(lws* wsi, lws_token_indexes which) {
@@ -130,10 +96,12 @@ public:
     }
     void stop();
     void wake() { (*waker_)(); }
+    void reload(const SocketAccess& access);
 
     lws_context* context_ = nullptr;
     int port_ = 0;
-    const SocketOptions options_;
+    SocketOptions options_;  // while it serves, what can be reloaded is the service thread's alone
+    const bool tls_ = !options_.certificateFile.empty();
 
 private:
     /// Lets other threads wake the service thread for as long as there is one.
@@ -149,6 +117,7 @@ private:
     static int callback(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
     void createContext();
     void serve();
+    void takeReload();
     int http(lws* wsi, lws_callback_reasons reason, std::string_view in);
     int viewer(lws* wsi, lws_callback_reasons reason, std::string_view in);
     int request(lws* wsi, std::string_view path);
@@ -164,6 +133,9 @@ private:
     void forget(lws* wsi);
 
     SocketHandler& handler_;
+    SSL_CTX* tlsContext_ = nullptr;  // the library's
+    std::mutex reloadMutex_;
+    std::optional<SocketAccess> reload_;  // not taken yet
     std::shared_ptr<Waker> waker_ = std::make_shared<Waker>();
     std::map<lws*, Answer> answers_;
     std::map<lws*, std::shared_ptr<Connection>> viewers_;
@@ -250,6 +222,35 @@ SocketServer::Impl::~Impl() {
     lws_context_destroy(context_);
 }
 
+void SocketServer::Impl::reload(const SocketAccess& access) {
+    if (access.certificateFile.empty() == tls_)
+        throw InputError("--tls-cert", tls_ ? "none any more" : access.certificateFile, "TLS begins and ends with the server");
+    if (tls_) {
+        std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> tried(SSL_CTX_new(TLS_server_method()), SSL_CTX_free);
+        if (!tried || !useCertificate(tried.get(), access.certificateFile, access.keyFile))
+            throw InputError(access.certificateFile, "does not work as certificate with " + access.keyFile,
+                             "a PEM certificate and its key");
+    }
+    {
+        std::lock_guard lock(reloadMutex_);
+        reload_ = access;
+    }
+    wake();
+}
+
+/// On the service thread.
+void SocketServer::Impl::takeReload() {
+    std::optional<SocketAccess> access;
+    {
+        std::lock_guard lock(reloadMutex_);
+        std::swap(access, reload_);
+    }
+    if (!access) return;
+    if (tlsContext_ && !useCertificate(tlsContext_, access->certificateFile, access->keyFile))
+        log().error("{}: was changed while it was read", access->certificateFile);
+    static_cast<SocketAccess&>(options_) = std::move(*access);
+}
+
 void SocketServer::Impl::serve() {
     auto over = [&] { return stopping_ && (viewers_.empty() || std::chrono::steady_clock::now() > deadline_); };
     while (!over()) lws_service(context_, 0);
@@ -268,9 +269,11 @@ void SocketServer::Impl::stop() {
     thread_.join();
 }
 
-int SocketServer::Impl::callback(lws* wsi, lws_callback_reasons reason, void*, void* in, size_t length) {
+int SocketServer::Impl::callback(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length) {
     auto* server = static_cast<Impl*>(lws_context_user(lws_get_context(wsi)));
     const lws_protocols* protocol = lws_get_protocol(wsi);
+    if (server && reason == LWS_CALLBACK_OPENSSL_LOAD_EXTRA_SERVER_VERIFY_CERTS)
+        server->tlsContext_ = static_cast<SSL_CTX*>(user);
     if (!server || !protocol) return 0;
     std::string_view bytes = in ? std::string_view(static_cast<const char*>(in), length) : std::string_view();
     // The library names the protocol to upgrade to as a C string and gives no length.
@@ -289,7 +292,10 @@ int SocketServer::Impl::callback(lws* wsi, lws_callback_reasons reason, void*, v
 
 int SocketServer::Impl::http(lws* wsi, lws_callback_reasons reason, std::string_view in) {
     switch (reason) {
-        case LWS_CALLBACK_EVENT_WAIT_CANCELLED: handler_.turned(); return 0;
+        case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
+            takeReload();
+            handler_.turned();
+            return 0;
         case LWS_CALLBACK_HTTP: return request(wsi, in);
         case LWS_CALLBACK_HTTP_WRITEABLE: return writeAnswer(wsi);
         case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE: return in == "websocket" ? upgrade(wsi) : -1;
@@ -474,11 +480,12 @@ int SocketServer::port() const { return impl_->port_; }
 void SocketServer::start() { impl_->start(); }
 void SocketServer::stop() { impl_->stop(); }
 void SocketServer::wake() { impl_->wake(); }
+void SocketServer::reload(const SocketAccess& access) { impl_->reload(access); }
 
 std::string SocketServer::url() const {
     std::string host = impl_->options_.listen.host;
     if (host.find(':') != std::string::npos) host = "[" + host + "]";
-    return (impl_->options_.certificateFile.empty() ? "http://" : "https://") + host + ":" + std::to_string(impl_->port_);
+    return (impl_->tls_ ? "https://" : "http://") + host + ":" + std::to_string(impl_->port_);
 }
 
 }  // namespace heliograph

@@ -10,13 +10,17 @@
 
 namespace heliograph {
 
-struct SocketOptions {
-    ListenAddress listen;
+/// What can be changed while the server runs.
+struct SocketAccess {
     std::string certificateFile;  // PEM; with keyFile: TLS
     std::string keyFile;
     std::string token;                        // empty: none is asked for
     std::vector<std::string> allowedOrigins;  // beside the server's own, as "https://example.org"
     size_t maxViewers = MAX_VIEWERS;
+};
+
+struct SocketOptions : SocketAccess {
+    ListenAddress listen;
     ClientFiles files;
 };
 
@@ -57,6 +61,9 @@ public:
     void start();
     /// Makes the socket's thread say that it moves.
     void wake();
+    /// Takes another certificate, token, list of origins and number of viewers, from any thread; connections that are there
+    /// stay as they are. Throws InputError, and changes nothing, where a certificate does not fit or TLS would begin or end.
+    void reload(const SocketAccess& access);
     /// Says goodbye to the viewers and ends within some 0.2 s.
     void stop();
 

@@ -2,14 +2,10 @@
 
 #include "server/base/error.h"
 #include "server/base/machine.h"
-#include "server/base/ports.h"
 #include "server/base/text.h"
-#include "server/net/origin.h"
+#include "server/net/port.h"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <sys/resource.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -53,26 +49,6 @@ uint64_t controlGroupLimit() {
         if (in >> bytes) return bytes < (1ull << 62) ? bytes : 0;
     }
     return 0;
-}
-
-/// errno of binding; 0 if it went well.
-int tryToBind(const ListenAddress& listen) {
-    const bool six = listen.host.find(':') != std::string::npos;
-    sockaddr_in6 address6{};
-    sockaddr_in address4{};
-    address6.sin6_family = AF_INET6;
-    address4.sin_family = AF_INET;
-    address6.sin6_port = address4.sin_port = htons(static_cast<uint16_t>(listen.port));
-    void* bytes = six ? static_cast<void*>(&address6.sin6_addr) : &address4.sin_addr;
-    if (inet_pton(six ? AF_INET6 : AF_INET, listen.host.c_str(), bytes) != 1) return EADDRNOTAVAIL;
-    const int fd = socket(six ? AF_INET6 : AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    if (fd < 0) return errno;
-    const int on = 1;
-    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    const auto* address = six ? reinterpret_cast<const sockaddr*>(&address6) : reinterpret_cast<const sockaddr*>(&address4);
-    const int error = bind(fd, address, six ? sizeof address6 : sizeof address4) == 0 ? 0 : errno;
-    close(fd);
-    return error;
 }
 
 Finding judgeMemory(const MachineFacts& facts) {
@@ -131,8 +107,8 @@ std::vector<Finding> judgeMachine(const MachineFacts& facts, const ServeOptions&
 Finding judgeAddress(const std::string& address) {
     return judgeAttempt("port", [&]() -> std::string {
         const ListenAddress listen = parseListenAddress(address);
-        const int error = tryToBind(listen);
-        if (error != 0) throw InputError(address, bindFailure(error, listen.port), "a free port of this machine");
+        const std::string problem = bindProblem(listen);
+        if (!problem.empty()) throw InputError(address, problem, "a free port of this machine");
         return address + (listen.port == 0 ? " takes a free one" : " is free");
     });
 }
@@ -158,6 +134,30 @@ Finding judgeAttempt(const std::string& about, const std::function<std::string()
     } catch (const std::exception& error) {
         return {about, Kind::bad, error.what(), ""};
     }
+}
+
+std::vector<Finding> judgeDeviceRows(const nlohmann::ordered_json& list, const std::vector<std::string>& words,
+                                     const std::string& automatic) {
+    std::vector<Finding> findings;
+    for (const auto& row : list) {
+        const std::string name = row["name"];
+        Finding device{"device " + name, Kind::good, row.value("details", ""), ""};
+        if (row.contains("type")) device.found += ", " + row.value("type", "") + ", " + row.value("driver", "");
+        if (!row["refused"].is_null()) {
+            device.kind = Kind::note;
+            device.means = "not used: " + row.value("refused", "");
+        } else if (name == automatic) {
+            device.means = "used: what auto means";
+        } else if (std::ranges::find(words, name) != words.end()) {
+            device.means = row.value("type", "") == "cpu"
+                               ? "used where it is asked for; it computes on the processor, where embree is faster"
+                               : "used where it is asked for, and by hybrid";
+        } else {
+            device.means = "not used: not among the devices on offer";
+        }
+        findings.push_back(device);
+    }
+    return findings;
 }
 
 bool wouldServe(const std::vector<Finding>& findings) {

@@ -35,6 +35,10 @@ MachineFacts machineFacts();
 
 /// Processor, memory, descriptors. Pure.
 std::vector<Finding> judgeMachine(const MachineFacts& facts, const ServeOptions& options);
+/// Each device of `heliograph devices --json`: what it is, and whether viewers may choose it. `words`: on offer; `automatic`:
+/// what auto means. Pure.
+std::vector<Finding> judgeDeviceRows(const nlohmann::ordered_json& list, const std::vector<std::string>& words,
+                                     const std::string& automatic);
 /// Whether the address can be listened on now; by trying.
 Finding judgeAddress(const std::string& address);
 /// Whether a start scene that is a file can be read.

@@ -166,5 +166,35 @@ TEST(Tls, AKeyOfAnotherCertificateIsSaid) {
     EXPECT_THROW(SocketServer(mixed, sender), InputError);
 }
 
+/// The DER bytes of the certificate that the server shows.
+std::string shownBy(int port) {
+    TlsClient client(port);
+    EXPECT_TRUE(client.shakeHands());
+    X509* certificate = SSL_get1_peer_certificate(client.ssl);
+    unsigned char* bytes = nullptr;
+    const int size = i2d_X509(certificate, &bytes);
+    std::string text(reinterpret_cast<char*>(bytes), static_cast<size_t>(size));
+    OPENSSL_free(bytes);
+    X509_free(certificate);
+    return text;
+}
+
+TEST(Tls, ReloadShowsTheRenewedCertificate) {
+    Certificate first, second;
+    Sender sender;
+    SocketServer server(options(first), sender);
+    server.start();
+    const std::string before = shownBy(server.port());
+    SocketAccess mixed = options(first);
+    mixed.keyFile = second.keyFile;
+    EXPECT_THROW(server.reload(mixed), InputError);
+    EXPECT_THROW(server.reload(SocketAccess()), InputError) << "TLS does not end";
+    EXPECT_EQ(shownBy(server.port()), before);
+    server.reload(options(second));
+    std::string after = before;
+    for (int i = 0; i < 1000 && after == before; i++) after = shownBy(server.port());
+    EXPECT_NE(after, before);
+}
+
 }  // namespace
 }  // namespace heliograph

@@ -76,6 +76,19 @@ TEST(Doctor, TriesThePort) {
     EXPECT_EQ(judgeAddress(own).kind, Kind::bad) << "an address of another machine";
 }
 
+TEST(Doctor, SaysWhyADeviceIsUsedOrNot) {
+    const auto list = nlohmann::ordered_json::parse(R"([
+        {"name": "embree", "kind": "embree", "details": "Embree 3", "refused": null},
+        {"name": "vulkan:0", "kind": "vulkan", "details": "llvmpipe", "type": "cpu", "driver": "Mesa", "refused": null},
+        {"name": "vulkan:1", "kind": "vulkan", "details": "old", "type": "discrete", "driver": "x", "refused": "Vulkan 1.0"}])");
+    const std::vector<Finding> all = judgeDeviceRows(list, {"auto", "embree", "vulkan:0"}, "embree");
+    EXPECT_EQ(about(all, "device embree").means, "used: what auto means");
+    EXPECT_THAT(about(all, "device vulkan:0").means, HasSubstr("computes on the processor"));
+    EXPECT_EQ(about(all, "device vulkan:1").kind, Kind::note);
+    EXPECT_EQ(about(all, "device vulkan:1").means, "not used: Vulkan 1.0");
+    EXPECT_THAT(about(judgeDeviceRows(list, {"auto", "embree"}, "embree"), "device vulkan:0").means, HasSubstr("not among"));
+}
+
 TEST(Doctor, LooksForTheScene) {
     EXPECT_EQ(judgeScene("courtyard", {"courtyard"}).kind, Kind::good);
     EXPECT_THAT(judgeScene("/missing.glb", {"courtyard"}).found, HasSubstr("is not there"));
