@@ -85,6 +85,9 @@ buildAndShow() {
         cmp -s "$file" "$made/fresh/$file" && continue
         cp -p --parents "$file" "$made/fresh" && cp -p --parents "$file" "$made/tree"
     done
+    # What has gone since goes there too.
+    comm -23 <(cd "$made/fresh" && find . -type f -printf '%P\n' | sort) <(git ls-files | sort) |
+        while read -r file; do rm -f "$made/fresh/$file" "$made/tree/$file"; done
     local patch
     for patch in tests/adding/*.patch; do
         sed -n 's|^+++ b/||p' "$patch" | while read -r file; do
