@@ -1,12 +1,16 @@
 #include "server/render/pass_renderer.h"
 
+#include "server/render/slice_rule.h"
 #include "server/request/device_rows.h"
 #include "server/request/view_request.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
+#include <iterator>
 #include <new>
 #include <stdexcept>
+#include <unordered_set>
 
 namespace heliograph {
 
@@ -22,6 +26,11 @@ void makeRoom(Film& film) {
     }
 }
 
+double shareOf(const Pass& pass, uint64_t pixels) {
+    const uvec2 size = pass.film.resolution();
+    return static_cast<double>(pixels) / (static_cast<double>(size.x) * size.y);
+}
+
 void begin(ViewMemory& view, const Pass& pass, uvec2 cell) {
     view.costs.begin(pass.film.resolution(), cell);
     // Where one device renders all, the order of the tiles does not matter.
@@ -32,15 +41,18 @@ void begin(ViewMemory& view, const Pass& pass, uvec2 cell) {
 
 }  // namespace
 
-size_t PassRenderer::tilesOfTurn(size_t left, uint32_t workers) const {
+uvec2 PassRenderer::cellFor(uvec2 wanted) const { return turns_ ? sliceCell(wanted, workerSecondsPerPixel_) : wanted; }
+
+size_t PassRenderer::tilesOfTurn(size_t left, uint32_t workers, uvec2 cell) const {
     if (!turns_) return left;
-    return std::min(left, tilesPerTurn(secondsPerTile_, workers, turns_->shared(account_)));
+    return std::min(left, tilesPerTurn(secondsPerPixel_ * cell.x * cell.y, workers, turns_->shared(account_)));
 }
 
 bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<Turns::Turn> turn) {
     const Settings& settings = pass.request.settings;
-    const uvec2 cell = glm::min(tileSize(settings), pass.film.resolution());
-    const std::vector<Tile> tiles = pass.film.tilesFor(pass.firstSample, 1, cell);
+    const uint32_t workers = pass.renderer.infoFor(settings).workers;
+    uvec2 cell = cellFor(glm::min(tileSize(settings), pass.film.resolution()));
+    std::vector<Tile> tiles = pass.film.tilesFor(pass.firstSample, 1, cell);
     if (pass.firstSample > 0) makeRoom(pass.film);
     begin(pass.view, pass, cell);
     std::shared_ptr<Partition> partition;
@@ -48,7 +60,7 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
         partition = std::make_shared<Partition>();
         partition->begin(pass.film.resolution(), cell);
     }
-    const uint32_t workers = pass.renderer.infoFor(settings).workers;
+    donePixels_ = 0;
     figures.lastRays = {};
     figures.lastPassSeconds = 0.0;
     figures.schedule = {};
@@ -58,16 +70,19 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
             if (!next) return false;
             turn.emplace(std::move(*next));
         }
-        const size_t count = tilesOfTurn(tiles.size() - done, workers);
-        const double seconds =
-            renderSlice(pass, std::span(tiles).subspan(done, count), done, tiles.size(), figures, partition.get());
+        if (const uvec2 smaller = cellFor(cell); smaller != cell) {  // dearer than what was before
+            cell = smaller;
+            tiles = cutTiles(std::span(tiles).subspan(done), cell);
+            done = 0;
+            pass.view.costs.begin(pass.film.resolution(), cell);
+        }
+        const size_t count = tilesOfTurn(tiles.size() - done, workers, cell);
+        const std::span<Tile> slice = std::span(tiles).subspan(done, count);
+        const std::vector<Tile> left = renderSlice(pass, slice, figures, partition.get());
         turn.reset();
-        figures.lastPassSeconds += seconds;
-        figures.renderSeconds += seconds;
         if (pass.stop.stop_requested() && pass.film.completedSamples() <= pass.firstSample) return false;
-        const double perTile = seconds / static_cast<double>(count);
-        secondsPerTile_ = secondsPerTile_ > 0.0 ? 0.5 * (secondsPerTile_ + perTile) : perTile;
-        done += count;
+        std::ranges::copy(left, slice.last(left.size()).begin());
+        done += count - left.size();
     }
     if (pass.film.completedSamples() <= pass.firstSample) {
         throw std::runtime_error("device " + pass.renderer.infoFor(settings).name + " left out tiles of a pass");
@@ -78,29 +93,52 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
     return true;
 }
 
-/// Returns the wall time.
-double PassRenderer::renderSlice(const Pass& pass, std::span<const Tile> tiles, size_t done, size_t all, PassFigures& figures,
-                                 Partition* partition) {
-    std::mutex mutex;  // of the figures
+/// Returns the tiles that the clock left over.
+std::vector<Tile> PassRenderer::renderSlice(const Pass& pass, std::span<const Tile> tiles, PassFigures& figures,
+                                            Partition* partition) {
+    std::mutex mutex;  // of the figures and what follows
+    std::unordered_set<uint64_t> taken;
+    uint64_t pixels = 0;
+    double workerSeconds = 0.0;
+    auto keyOf = [](const Tile& tile) { return static_cast<uint64_t>(tile.origin.y) << 32 | tile.origin.x; };
+    std::stop_source stop;
+    std::stop_callback forward(pass.stop, [&] { stop.request_stop(); });
+    std::atomic<bool> over{false};
+    const double begin = wallSeconds();
     auto sink = [&](TileResult&& result) {
+        if (turns_ && !over && sliceOver(wallSeconds() - begin, turns_->contended())) over = true, stop.request_stop();
         if (!pass.film.add(result)) return;
         std::lock_guard lock(mutex);
+        taken.insert(keyOf(result.tile));
+        pixels += static_cast<uint64_t>(result.tile.size.x) * result.tile.size.y;
         figures.rays.add(result.rays);
         figures.lastRays.add(result.rays);
         figures.nonfiniteSamples += result.nonfiniteSamples;
         figures.coreSeconds += result.seconds;
+        workerSeconds += result.seconds;
         if (partition) partition->note(result.tile, result.device);
-        if (pass.progress) pass.progress(static_cast<double>(++done) / static_cast<double>(all));
+        if (pass.progress) pass.progress(shareOf(pass, donePixels_ + pixels));
     };
-    const double begin = wallSeconds();
-    const ScheduleReport report = pass.renderer.render(pass.request, tiles, pass.view, sink, pass.stop);
+    const ScheduleReport report = pass.renderer.render(pass.request, tiles, pass.view, sink, stop.get_token());
     for (const DeviceReport& device : report.devices) {
         if (device.tiles == 0) continue;
         figures.tiles[device.name] += device.tiles;
         figures.devices |= deviceBit(device.name);
     }
     figures.schedule.append(report);
-    return wallSeconds() - begin;
+    const double seconds = wallSeconds() - begin;
+    figures.lastPassSeconds += seconds;
+    figures.renderSeconds += seconds;
+    donePixels_ += pixels;
+    if (pixels > 0) {
+        const double perPixel = seconds / static_cast<double>(pixels);
+        secondsPerPixel_ = secondsPerPixel_ > 0.0 ? 0.5 * (secondsPerPixel_ + perPixel) : perPixel;
+        workerSecondsPerPixel_ = nextEstimate(workerSecondsPerPixel_, workerSeconds / static_cast<double>(pixels));
+    }
+    std::vector<Tile> left;
+    if (!over) return left;
+    std::ranges::copy_if(tiles, std::back_inserter(left), [&](const Tile& tile) { return !taken.contains(keyOf(tile)); });
+    return left;
 }
 
 }  // namespace heliograph

@@ -50,17 +50,19 @@ public:
     /// the device throws, and std::runtime_error when it leaves tiles out or memory runs out.
     bool render(const Pass& pass, PassFigures& figures, std::optional<Turns::Turn> turn = std::nullopt);
     /// Another scene: its tiles take another time.
-    void forget() { secondsPerTile_ = 0.0; }
+    void forget() { secondsPerPixel_ = workerSecondsPerPixel_ = 0.0; }
     Turns::Used used() const { return turns_->used(account_); }
 
 private:
-    size_t tilesOfTurn(size_t left, uint32_t workers) const;
-    double renderSlice(const Pass& pass, std::span<const Tile> tiles, size_t done, size_t all, PassFigures& figures,
-                       Partition* partition);
+    uvec2 cellFor(uvec2 wanted) const;
+    size_t tilesOfTurn(size_t left, uint32_t workers, uvec2 cell) const;
+    std::vector<Tile> renderSlice(const Pass& pass, std::span<const Tile> tiles, PassFigures& figures, Partition* partition);
 
     Turns* turns_ = nullptr;
     Turns::Account account_;
-    double secondsPerTile_ = 0.0;  // wall time; 0: not known yet
+    uint64_t donePixels_ = 0;             // of the pass in work
+    double secondsPerPixel_ = 0.0;        // wall time; 0: not known yet
+    double workerSecondsPerPixel_ = 0.0;  // thread time, whatever else the processors do
 };
 
 }  // namespace heliograph

@@ -49,7 +49,7 @@ bool frameDue(const Delivery& d) {
 size_t tilesPerTurn(double secondsPerTile, uint32_t workers, bool contended) {
     // A slice ends when its last tile does: with fewer than some tiles per worker the others would idle meanwhile.
     size_t least = (contended ? 2 : 4) * static_cast<size_t>(std::max(workers, 1u));
-    if (!(secondsPerTile > 0.0)) return std::max<size_t>(least, 64);
+    if (!(secondsPerTile > 0.0)) return least;
     double budget = contended ? 0.01 : 0.15;  // seconds
     return std::max(least, static_cast<size_t>(std::min(budget / secondsPerTile, 1e6)));
 }

@@ -47,7 +47,7 @@ struct Delivery {
 bool frameDue(const Delivery& delivery);
 
 /// Tiles for one turn on the device: few while others want it too, so that nobody waits longer than some 10 ms for each of them.
-/// `secondsPerTile`: wall time measured last, 0 = unknown. `workers`: tiles in work at once.
+/// `secondsPerTile`: wall time measured last, 0 = unknown: as few as can be, the first ones tell. `workers`: tiles in work at once.
 size_t tilesPerTurn(double secondsPerTile, uint32_t workers, bool contended);
 
 }  // namespace heliograph

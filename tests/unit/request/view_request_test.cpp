@@ -104,7 +104,7 @@ TEST(TilesPerTurn, FewWhileOthersWaitButEnoughForAllWorkers) {
     EXPECT_EQ(tilesPerTurn(0.001, 2, false), 150u);
     EXPECT_EQ(tilesPerTurn(1.0, 16, true), 32u);
     EXPECT_EQ(tilesPerTurn(1.0, 16, false), 64u);
-    EXPECT_EQ(tilesPerTurn(0.0, 1, true), 64u);
+    EXPECT_EQ(tilesPerTurn(0.0, 1, true), 2u);
     EXPECT_GT(tilesPerTurn(1e-12, 1, false), 1000u);
 }
 
