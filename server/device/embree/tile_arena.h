@@ -31,7 +31,7 @@ struct Buffer {
         if (count <= capacity) return;
         size_t bytes = (size_t(count) * sizeof(T) + 63) / 64 * 64;
         T* grown = static_cast<T*>(std::aligned_alloc(64, bytes));
-        if (!grown) std::abort();
+        if (!grown) throwNoMemory();
         if (kept) std::memcpy(static_cast<void*>(grown), data, size_t(kept) * sizeof(T));
         std::free(data);
         data = grown;

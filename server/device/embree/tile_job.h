@@ -10,6 +10,9 @@
 
 namespace heliograph {
 
+/// Throws std::bad_alloc; not inline, so that no instruction set comes into its code.
+[[noreturn]] void throwNoMemory();
+
 struct TraceOptions {
     uint32_t primaryWidth = 16;    // packet width of camera rays and of the shadow rays at their hits; 1 = one by one
     uint32_t secondaryWidth = 16;  // of all others

@@ -2,7 +2,11 @@
 #include "server/device/embree/tile_job.h"
 #include "server/kernel/kernel.h"
 
+#include <new>
+
 namespace heliograph {
+
+void throwNoMemory() { throw std::bad_alloc(); }
 
 vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint64_t& rays) {
     using KernelType = scalar_kernel::Kernel<0xffffffffu>;
