@@ -57,6 +57,7 @@ std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener li
         } else if (loading != loads_.end()) {
             loading->tickets.push_back(ticket);
         } else {
+            dropAbandoned();
             checkRoom();
             loads_.push_back({name, {ticket}, WAITING, 0.0});
         }
@@ -82,9 +83,17 @@ std::optional<std::pair<std::string, double>> SceneCache::standOf(const std::str
 /// With the lock held. Throws InputError when no further scene fits.
 void SceneCache::checkRoom() const {
     auto used = std::count_if(residents_.begin(), residents_.end(), [](const Resident& r) { return r.scene.use_count() > 1; });
-    if (static_cast<size_t>(used) + loads_.size() < most_) return;
+    const auto wanted = std::ranges::count_if(loads_, [](const Load& load) { return !load.abandoned(); });
+    if (static_cast<size_t>(used + wanted) < most_) return;
     throw InputError("scene.name", "viewers already look at " + std::to_string(used) + " other scenes",
                      "one of theirs, or later");
+}
+
+/// With the lock held: queued loads that nobody waits for any more go. The first one is in progress and ends by itself.
+void SceneCache::dropAbandoned() {
+    if (loads_.size() < 2) return;
+    loads_.erase(std::remove_if(loads_.begin() + 1, loads_.end(), [](const Load& load) { return load.abandoned(); }),
+                 loads_.end());
 }
 
 size_t SceneCache::loadCount() const {

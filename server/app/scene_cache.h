@@ -4,6 +4,8 @@
 
 #include "server/stream/session.h"
 
+#include <algorithm>
+
 namespace heliograph {
 
 class SceneCache {
@@ -40,6 +42,10 @@ private:
         std::vector<std::weak_ptr<Ticket>> tickets;
         std::string what;  // the last report
         double share = 0.0;
+        /// Nobody waits for it any more.
+        bool abandoned() const {
+            return std::ranges::all_of(tickets, [](const std::weak_ptr<Ticket>& ticket) { return ticket.expired(); });
+        }
     };
     struct Resident {
         std::string name;
@@ -49,6 +55,7 @@ private:
 
     std::optional<std::pair<std::string, double>> standOf(const std::string& name) const;
     void checkRoom() const;
+    void dropAbandoned();
     void run();
     void load(const std::string& name);
     std::shared_ptr<ResidentScene> make(const std::string& name);

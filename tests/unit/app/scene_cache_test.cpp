@@ -170,6 +170,26 @@ TEST(SceneCache, ALoadThatNobodyWaitsForIsGivenUp) {
     EXPECT_EQ(lost.scene, nullptr);
 }
 
+TEST(SceneCache, LoadsThatNobodyWaitsForTakeNoPlace) {
+    Source source;
+    Told first, storm, other;
+    SceneCache cache(
+        source.opener(), source.devices(), {}, [](const char*) {}, 3, 2);
+    auto ticket = cache.open("slow", first.listener());
+    ASSERT_TRUE(first.untilReading());
+    // One viewer changes its mind all the time: each load but the newest is nobody's.
+    for (int i = 0; i < 100; i++) {
+        EXPECT_NO_THROW(cache.open("storm" + std::to_string(i), storm.listener()));
+        EXPECT_LE(cache.loadCount(), 2u);
+    }
+    std::shared_ptr<void> wanted;
+    EXPECT_NO_THROW(wanted = cache.open("wanted", other.listener()));
+    EXPECT_THROW(cache.open("too many", storm.listener()), InputError);
+    source.release = true;
+    ASSERT_TRUE(other.untilReady());
+    EXPECT_LE(source.opened, 3);  // the storm's last one was in the queue at most
+}
+
 TEST(SceneCache, EndsInTheMiddleOfALoad) {
     Source source;
     Told told;
