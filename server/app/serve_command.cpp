@@ -5,7 +5,9 @@
 #include "server/app/service.h"
 #include "server/base/error.h"
 #include "server/base/log.h"
+#include "server/base/machine.h"
 #include "server/base/text.h"
+#include "server/film/film_shares.h"
 #include "server/operations/configuration.h"
 #include "server/operations/memory.h"
 #include "server/operations/notify.h"
@@ -53,6 +55,16 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
         throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");
     service.socket = socketOptions(options);
     service.socket.files = readClientFiles(clientFolder(options.client));
+    service.leastRate = static_cast<double>(options.leastRate);
+    service.caps = {static_cast<uint32_t>(options.mostSamples), static_cast<uint32_t>(options.mostRays),
+                    static_cast<uint32_t>(options.mostBounces)};
+    log().info("limits of viewers: {} at once, {} frames a second at least, {} samples, {} rays of a kind, {} bounces",
+               options.maxViewers, options.leastRate, options.mostSamples, options.mostRays, options.mostBounces);
+    service.pictureBytes = filmMemory(options.filmMemoryMib << 20, usableMemory());
+    const FilmBudget budget = filmBudget(service.pictureBytes, options.maxViewers);
+    log().info("memory for pictures: {} MiB ({:.1f} million pixels, {:.2f} million guaranteed to each of {} viewers)",
+               service.pictureBytes >> 20, 1e-6 * static_cast<double>(budget.pixels),
+               1e-6 * static_cast<double>(guaranteedPixels(budget)), budget.places);
     service.watchdog = std::chrono::seconds(options.watchdogSeconds);
     return service;
 }

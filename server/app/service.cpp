@@ -1,9 +1,11 @@
 #include "server/app/service.h"
 
 #include "server/base/log.h"
+#include "server/film/film_shares.h"
 #include "server/operations/metrics_text.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace heliograph {
 
@@ -12,6 +14,12 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto TICK = 100ms;
+
+std::string wordsOf(double number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%g", number);
+    return text;
+}
 
 }  // namespace
 
@@ -98,6 +106,7 @@ std::optional<NotReady> Service::unready() const {
     facts.ending = ending_;
     facts.scene = options_.scenes.front().name;
     facts.stuck = stuck();
+    facts.crowded = tooCrowded();
     {
         std::lock_guard lock(mutex_);
         facts.mostViewers = current_.access.maxViewers;
@@ -113,17 +122,36 @@ SocketHandler::Readiness Service::readiness() {
     return {!state, readinessJson(state)};
 }
 
+std::string Service::mayEnter() { return tooCrowded(); }
+
+/// Why another viewer would see too few frames; empty where it would not.
+std::string Service::tooCrowded() const {
+    std::vector<std::shared_ptr<Session>> sessions;
+    {
+        std::lock_guard lock(mutex_);
+        sessions = sessions_;
+    }
+    std::vector<ViewerLoad> inside;
+    const auto now = std::chrono::steady_clock::now();
+    for (const auto& session : sessions) inside.push_back(session->load(now));
+    const std::optional<int> later = retryAfter(inside, options_.leastRate);
+    if (!later) return {};
+    return "another viewer would see less than " + wordsOf(options_.leastRate) + " frames a second; try again in " +
+           std::to_string(*later) + " s";
+}
+
 std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {
     return cache_.open(name, std::move(listener));
 }
 
-bool Service::grantPixels(uint32_t viewer, uint64_t pixels) {
+uint64_t Service::grantPixels(uint32_t viewer, uint64_t wanted) {
     std::lock_guard lock(mutex_);
-    uint64_t others = 0;
-    for (const auto& [other, count] : pixels_) others += other == viewer ? 0 : count;
-    if (others + pixels > options_.pixelLimit) return false;
-    pixels_[viewer] = pixels;
-    return true;
+    std::vector<uint64_t> others;
+    for (const auto& [other, count] : pixels_) {
+        if (other != viewer) others.push_back(count);
+    }
+    const FilmBudget budget = filmBudget(options_.pictureBytes, current_.access.maxViewers);
+    return pixels_[viewer] = std::max<uint64_t>(grantedPixels(wanted, others, budget), 1);
 }
 
 size_t Service::viewerCount() const {
@@ -133,16 +161,23 @@ size_t Service::viewerCount() const {
 
 std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket, bool authorized) {
     std::shared_ptr<Session> session;
-    {
-        std::lock_guard lock(mutex_);
-        Session::Options options{current_.defaults, current_.access.token, authorized};
-        SessionHost& host = *this;
-        session = std::make_shared<Session>(++lastViewer_, host, std::move(socket), std::move(options));
-        sessions_.push_back(session);
+    try {
+        {
+            std::lock_guard lock(mutex_);
+            Session::Options options{current_.defaults, current_.access.token, authorized, options_.caps};
+            SessionHost& host = *this;
+            session = std::make_shared<Session>(++lastViewer_, host, socket, std::move(options));
+            sessions_.push_back(session);
+        }
+        logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": connected", {{"viewer", session->viewer()}});
+        session->begin();
+        return session;
+    } catch (const std::exception& e) {  // no thread or no memory for another one; those inside keep theirs
+        log().error("viewer refused: {}", e.what());
+        socket->close(CloseCode::tryAgainLater, "no means for another viewer; try again later");
+        if (session) closed(session, CloseCode::tryAgainLater);
+        return nullptr;
     }
-    logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": connected", {{"viewer", session->viewer()}});
-    session->begin();
-    return session;
 }
 
 void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) {
@@ -171,13 +206,13 @@ std::string Service::metricsText() {
     ServerState state;
     readProcess(state);
     state.ready = !unready();
-    state.mostFilmPixels = options_.pixelLimit;
     state.residentScenes = cache_.residentCount();
     state.loadsWaiting = cache_.loadCount();
     {
         std::lock_guard lock(mutex_);
         state.viewers = sessions_.size();
         state.mostViewers = current_.access.maxViewers;
+        state.mostFilmPixels = filmBudget(options_.pictureBytes, current_.access.maxViewers).pixels;
         for (const auto& [viewer, pixels] : pixels_) state.filmPixels += pixels;
     }
     return heliograph::metricsText(metricFamilies(metrics_, state));
@@ -211,7 +246,13 @@ void Service::attend(std::stop_token stop) {
         attendantPart_.beat();
         socket_.wake();
         auto now = std::chrono::steady_clock::now();
-        for (const auto& session : sessions) session->tick(now);
+        for (const auto& session : sessions) {
+            try {
+                session->tick(now);
+            } catch (const std::exception& e) {  // no memory: its statistics come later
+                log().error("viewer {}: {}", session->viewer(), e.what());
+            }
+        }
     }
 }
 

@@ -9,18 +9,16 @@
 
 namespace heliograph {
 
-static_assert(FILM_PIXELS == 3 * FilmPool::FILMS * MAX_PIXELS);
-
 struct ServiceOptions {
     SocketOptions socket;
     std::vector<SceneRecipe> scenes;  // on offer; the first is where viewers start
     SceneCache::Opener openScene;
-    DeviceOffer devices;  // viewers choose between them
-    Settings defaults;    // of every viewer
-    /// Pixels of all films together. One takes 16 bytes a pixel, 48 from its second sample on, and a viewer may have three: 13 GiB
-    /// for three viewers at 7680x4320.
-    uint64_t pixelLimit = FILM_PIXELS;
-    std::chrono::seconds watchdog{20};  // a part that has not moved for so long is stuck
+    DeviceOffer devices;                 // viewers choose between them
+    Settings defaults;                   // of every viewer
+    uint64_t pictureBytes = 2ull << 30;  // memory for the pictures of all viewers (film_shares.h)
+    SettingCaps caps;                    // of every viewer
+    double leastRate = 0.0;              // frames a second; a newcomer who would see fewer is refused (admission.h)
+    std::chrono::seconds watchdog{20};   // a part that has not moved for so long is stuck
 };
 
 /// What can be changed while it runs.
@@ -58,7 +56,7 @@ private:
     std::vector<SceneRecipe> scenes() const override { return options_.scenes; }
     std::vector<std::string> devices() const override { return options_.devices.words; }
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
-    bool grantPixels(uint32_t viewer, uint64_t pixels) override;
+    uint64_t grantPixels(uint32_t viewer, uint64_t wanted) override;
     size_t viewerCount() const override;
     Turns& turns() override { return scheduler_.turns(); }
     Metrics& metrics() override { return metrics_; }
@@ -68,9 +66,11 @@ private:
     void refused(unsigned status, const std::string& why) override;
     std::string metricsText() override;
     Readiness readiness() override;
+    std::string mayEnter() override;
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
 
+    std::string tooCrowded() const;
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
     void deviceFailed(const std::string& device, const std::string& what);

@@ -2,9 +2,11 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -39,7 +41,45 @@ double grantedProcessors() {
     return quota / period;
 }
 
+/// Limits of the control group `path` below `root` and of all above it, in the file of that name; 0 = none.
+uint64_t groupLimit(const std::filesystem::path& root, const std::string& path, const std::string& file) {
+    uint64_t least = 0;
+    for (std::filesystem::path group = root / std::filesystem::path(path).relative_path();; group = group.parent_path()) {
+        std::ifstream in(group / file);
+        std::string text;
+        std::getline(in, text);
+        if (const uint64_t limit = memoryLimitIn(text); limit > 0) least = least == 0 ? limit : std::min(least, limit);
+        if (group == root || group.string().size() <= root.string().size()) return least;
+    }
+}
+
 }  // namespace
+
+uint64_t memoryLimitIn(const std::string& text) {
+    constexpr uint64_t NO_LIMIT = 1ull << 60;
+    uint64_t bytes = 0;
+    std::istringstream in(text);
+    return in >> bytes && bytes < NO_LIMIT ? bytes : 0;
+}
+
+uint64_t usableMemory() {
+    uint64_t least = static_cast<uint64_t>(std::max(sysconf(_SC_PHYS_PAGES), 0L)) *
+                     static_cast<uint64_t>(std::max(sysconf(_SC_PAGESIZE), 0L));
+    auto take = [&](uint64_t limit) {
+        if (limit > 0) least = least == 0 ? limit : std::min(least, limit);
+    };
+    // A line is "number:controllers:path"; version 2 has no controllers.
+    std::ifstream groups("/proc/self/cgroup");
+    for (std::string line; std::getline(groups, line);) {
+        const size_t first = line.find(':'), second = line.find(':', first + 1);
+        if (second == std::string::npos) continue;
+        const std::string controllers = line.substr(first + 1, second - first - 1), path = line.substr(second + 1);
+        if (controllers.empty()) take(groupLimit("/sys/fs/cgroup", path, "memory.max"));
+        if (controllers.find("memory") != std::string::npos)
+            take(groupLimit("/sys/fs/cgroup/memory", path, "memory.limit_in_bytes"));
+    }
+    return least;
+}
 
 std::string processorName() {
     std::string name = valueOf("/proc/cpuinfo", "model name");

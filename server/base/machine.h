@@ -11,6 +11,12 @@ namespace heliograph {
 std::string processorName();
 /// Processors that this process may use, at least 1: the smaller of its affinity and of its control group's quota.
 uint32_t usableProcessors();
+/// Bytes of memory that this process may use: the least of the machine's memory and of its control groups' limits; 0 where
+/// the system does not say.
+uint64_t usableMemory();
+/// The limit in bytes that the text of a control group's file names: 0 for "max", for what is no number, and for the huge
+/// number that stands for no limit in version 1.
+uint64_t memoryLimitIn(const std::string& text);
 /// Bytes of this process that are in memory; 0 where the system does not say.
 uint64_t residentBytes();
 /// The largest that residentBytes has been.

@@ -19,7 +19,6 @@
     LIMIT(uint32_t, MIN_SIDE, 16, "pixels", "least width and height of a picture; less: `error`")                            \
     LIMIT(uint32_t, MAX_SIDE, 8192, "pixels", "largest width and height of a picture; more: `error`")                        \
     LIMIT(uint64_t, MAX_PIXELS, 33177600, "pixels", "of a picture (7680 x 4320); more: `error`")                             \
-    LIMIT(uint64_t, FILM_PIXELS, 298598400, "pixels", "of all viewers' films together, three films a viewer; more: `error`") \
     LIMIT(size_t, MAX_VIEWERS, 32, "viewers", "unless `--max-viewers` says otherwise; another one: HTTP 503")                \
     LIMIT(uint32_t, MAX_UNACKED, 2, "frames", "on their way to a viewer; nothing more is sent until one is acknowledged")    \
     LIMIT(size_t, PICTURES_WAITING, 2, "pictures", "that wait for a viewer who reads slowly; more: close 4008")              \

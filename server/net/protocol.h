@@ -29,6 +29,7 @@ enum class CloseCode : uint16_t {
     policyViolation = 1008,
     messageTooBig = 1009,
     serverError = 1011,
+    tryAgainLater = 1013,  // no thread or no memory for another viewer
     unauthorized = 4001,  // no token within 5 seconds, or a wrong one
     stalled = 4008,       // frames on their way were not acknowledged for 10 seconds
 };

@@ -395,6 +395,7 @@ int SocketServer::Impl::upgrade(lws* wsi) {
     if (!options_.token.empty() && hasToken(wsi)) authorized_.insert(wsi);
     if (handler_.ending()) return refuse(wsi, 503, "the server ends");
     if (viewers_.size() >= options_.maxViewers) return refuse(wsi, 503, "no room for another viewer");
+    if (const std::string why = handler_.mayEnter(); !why.empty()) return refuse(wsi, 503, why);
     return 0;
 }
 

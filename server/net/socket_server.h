@@ -43,6 +43,8 @@ public:
     virtual Readiness readiness() = 0;
     /// Nobody is let in any more.
     virtual bool ending() = 0;
+    /// Empty when another viewer may enter, else why not now.
+    virtual std::string mayEnter() { return {}; }
     /// The socket's thread moves; comes some time after SocketServer::wake.
     virtual void turned() = 0;
 };

@@ -33,6 +33,7 @@ constexpr std::optional<CloseCode> CLOSE_CODES[] = {std::nullopt,
                                                     CloseCode::policyViolation,
                                                     CloseCode::messageTooBig,
                                                     CloseCode::serverError,
+                                                    CloseCode::tryAgainLater,
                                                     CloseCode::unauthorized,
                                                     CloseCode::stalled};
 constexpr unsigned REFUSAL_STATUSES[] = {400, 401, 403, 404, 405, 429, 503};
@@ -185,6 +186,7 @@ std::string closeReason(std::optional<CloseCode> code) {
     switch (*code) {
         case CloseCode::normal: return "normal";
         case CloseCode::goingAway: return "server_ends";
+        case CloseCode::tryAgainLater: return "no_resources";
         case CloseCode::unsupportedData: return "binary_message";
         case CloseCode::policyViolation: return "too_many_messages";
         case CloseCode::messageTooBig: return "message_too_big";

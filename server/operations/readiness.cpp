@@ -17,6 +17,7 @@ std::optional<NotReady> notReady(const ReadinessFacts& facts) {
     if (!facts.sceneThere) return NotReady{"loading", oneLine(facts.scene) + " is not loaded yet"};
     if (facts.viewers >= facts.mostViewers)
         return NotReady{"full", std::to_string(facts.viewers) + " of " + std::to_string(facts.mostViewers) + " viewers"};
+    if (!facts.crowded.empty()) return NotReady{"full", facts.crowded};
     return std::nullopt;
 }
 

@@ -15,6 +15,7 @@ struct ReadinessFacts {
     bool sceneThere = false;   // in memory, ready to be rendered
     std::string sceneFailure;  // why it is not, where it failed
     size_t viewers = 0, mostViewers = 0;
+    std::string crowded;             // why nobody else may enter, where that is so
     std::vector<std::string> stuck;  // parts that have not moved for long
 };
 

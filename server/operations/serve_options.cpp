@@ -43,6 +43,16 @@ const OptionRow ROWS[] = {
     {"allow-origin", &O::origins, "URL", "Another origin whose pages may connect, as https://example.org", true, 0, 0,
      checkName},
     {"max-viewers", &O::maxViewers, "N", "Viewers at once", true, 1, 1000},
+    {"least-rate", &O::leastRate, "FPS",
+     "Frames a second that every viewer shall have: another one is refused (503) when, by the frame\ntimes measured, it would "
+     "see fewer. 0 lets everybody in; the first four always come in",
+     false, 0, 1000},
+    {"most-samples", &O::mostSamples, "N", "Samples a pixel that a viewer may set", false, 1, 65536},
+    {"most-rays", &O::mostRays, "N", "Shadow, AO and fog rays a visible point that a viewer may set", false, 1, 256},
+    {"most-bounces", &O::mostBounces, "N", "Reflections and refractions in a row that a viewer may set", false, 0, 31},
+    {"film-memory", &O::filmMemoryMib, "MIB",
+     "Memory for the pictures of all viewers, at most half of what the machine or the control group\nhas; 0 takes that half",
+     false, 0, 1u << 24},
     {"watchdog", &O::watchdogSeconds, "SECONDS",
      "A part of the server that has not moved for so long is named in the log and by /readyz, and the\nservice manager is not "
      "told any more that all is well",

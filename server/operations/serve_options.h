@@ -25,6 +25,9 @@ struct ServeOptions {
     std::string client;
     std::vector<std::string> origins;
     uint64_t maxViewers = MAX_VIEWERS;
+    uint64_t leastRate = 1;                                          // frames a second
+    uint64_t mostSamples = 65536, mostRays = 256, mostBounces = 31;  // that viewers may set
+    uint64_t filmMemoryMib = 0;                                      // 0: half of what the machine has
     uint64_t watchdogSeconds = 20;
     std::string logLevel = "info";
     bool logJson = false;

@@ -1,5 +1,7 @@
 #include "server/stream/encode_thread.h"
 
+#include "server/base/log.h"
+
 namespace heliograph {
 
 EncodeThread::EncodeThread(Done done) : encoded_(std::move(done)), thread_([this] { run(); }) {}
@@ -26,7 +28,20 @@ void EncodeThread::run() {
         const uint32_t frameId = job->second.frameId;
         job.reset();  // the film is free for the next pass
         busy_.store(false, std::memory_order_release);
+        tell(frameId, std::move(encoded), failure);
+    }
+}
+
+/// Without memory to hand the frame over it is lost, as if it could not have been encoded; the next one comes.
+void EncodeThread::tell(uint32_t frameId, std::optional<EncodedFrame> encoded, const std::string& failure) {
+    try {
         encoded_(frameId, std::move(encoded), failure);
+    } catch (const std::exception& e) {
+        try {
+            encoded_(frameId, std::nullopt, e.what());
+        } catch (const std::exception&) {
+            log().error("a frame was lost: no memory");
+        }
     }
 }
 

@@ -28,6 +28,7 @@ public:
 private:
     using Job = std::pair<FinishedFrame, FrameHeader>;
     void run();
+    void tell(uint32_t frameId, std::optional<EncodedFrame> encoded, const std::string& failure);
 
     Done encoded_;
     PictureMaker maker_;

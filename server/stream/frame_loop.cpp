@@ -1,5 +1,7 @@
 #include "server/stream/frame_loop.h"
 
+#include "server/base/log.h"
+
 #include <utility>
 
 namespace heliograph {
@@ -81,19 +83,29 @@ void FrameLoop::stop() {
 
 void FrameLoop::run(std::stop_token stop) {
     while (!stop.stop_requested()) {
-        uint64_t seen = takeNews();
+        uint64_t seen = 0;
         bool worked = false;
         try {
+            seen = takeNews();
             worked = step();
         } catch (const std::exception& e) {
-            endPass(false);
-            picture_.reset();
-            broken_ = true;
-            receiver_.failed(e.what());
+            giveUp(e.what());
         }
         if (worked) continue;
         std::unique_lock lock(mutex_);
         changed_.wait(lock, stop, [&] { return news_ != seen; });
+    }
+}
+
+/// The frame is over, whatever it was that failed. Without memory to say so the viewer hears it with its next input.
+void FrameLoop::giveUp(const char* why) {
+    endPass(false);
+    picture_.reset();
+    broken_ = true;
+    try {
+        receiver_.failed(why);
+    } catch (const std::exception&) {
+        log().error("a frame was given up: no memory");
     }
 }
 

@@ -53,6 +53,7 @@ private:
     template <typename Change>
     void tell(Change change);
     void run(std::stop_token stop);
+    void giveUp(const char* why);
     uint64_t takeNews();
     bool step();
     LoopState state();

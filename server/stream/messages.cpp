@@ -63,8 +63,9 @@ std::vector<std::string> wordsOf(const DeviceRow& row, const std::vector<std::st
 
 }  // namespace
 
-std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices) {
-    json schema = settingsSchema();
+std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices,
+                         const SettingCaps& caps) {
+    json schema = cappedSchema(caps);
     for (json& row : schema) {
         if (row["name"] == "device") row["choices"] = devices;
     }
@@ -222,6 +223,17 @@ std::string effectCostsReadyMessage(const EffectCosts& costs) {
 
 std::string effectCostsFailedMessage(const std::string& why) {
     return text({{"type", "effectCosts"}, {"state", "failed"}, {"what", why}});
+}
+
+std::string resolutionMessage(uvec2 wanted, uvec2 given, uint32_t inputId) {
+    const std::string words = "The picture has " + std::to_string(given.x) + " x " + std::to_string(given.y) + " pixels, not " +
+                              std::to_string(wanted.x) + " x " + std::to_string(wanted.y) +
+                              ": the memory for pictures of all viewers does not suffice.";
+    return text({{"type", "resolution"},
+                 {"wanted", {wanted.x, wanted.y}},
+                 {"given", {given.x, given.y}},
+                 {"text", words},
+                 {"inputId", inputId}});
 }
 
 std::string noticeMessage(const std::string& words) { return text({{"type", "notice"}, {"text", words}}); }

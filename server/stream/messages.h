@@ -2,6 +2,7 @@
 // What the server says in `heliograph.v1`: each function makes the text of one control message (docs/reference/protocol.md).
 
 #include "server/request/effect_rules.h"
+#include "server/request/setting_caps.h"
 #include "server/net/protocol.h"
 #include "server/stream/effect_meter.h"
 #include "server/film/partition.h"
@@ -37,7 +38,8 @@ struct ViewerStats {
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.
-std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices);
+std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices,
+                         const SettingCaps& caps = {});
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share);
 std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons);
 std::string sceneFailedMessage(const std::string& name, const std::string& why);
@@ -50,6 +52,8 @@ std::string pathMessage(bool playing, const std::optional<FrameSummary>& result)
 std::string effectCostsMeasuringMessage(double share);
 std::string effectCostsReadyMessage(const EffectCosts& costs);
 std::string effectCostsFailedMessage(const std::string& why);
+/// The picture is smaller than the viewer wanted, as the memory for pictures does not suffice.
+std::string resolutionMessage(uvec2 wanted, uvec2 given, uint32_t inputId);
 std::string noticeMessage(const std::string& text);
 /// A notice that the server ends, at the latest after that time.
 std::string endingMessage(std::chrono::milliseconds atMost);

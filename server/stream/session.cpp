@@ -2,6 +2,7 @@
 
 #include "server/base/log.h"
 #include "server/base/machine.h"
+#include "server/film/film_shares.h"
 #include "server/net/token.h"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ Session::Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocke
       meter_(host.turns(), [this](EffectMeter::News&& news) { effectCosts(std::move(news)); }),
       viewer_(viewer, std::move(socket), metrics_, *this),
       loop_(host.turns(), *this) {
-    request_.settings = options_.defaults;
+    request_.settings = capped(options_.defaults, options_.caps);
     viewer_.setQuality(request_.settings.jpegQuality);
 }
 
@@ -51,7 +52,7 @@ void Session::welcome() {
         std::lock_guard lock(mutex_);
         authorized_ = true;
         statsAt_ = Clock::now();
-        viewer_.say(helloMessage(viewer_.number(), scenes, devices));
+        viewer_.say(helloMessage(viewer_.number(), scenes, devices, options_.caps));
         viewer_.say(settingsMessage(request_.settings.toJson(), std::nullopt));
     }
     if (!scenes.empty()) openScene(scenes.front().name);
@@ -82,6 +83,9 @@ void Session::receive(std::string_view text) {
         refuse(e, e.about(), e.inputId());
     } catch (const InputError& e) {
         refuse(e, about, inputId);
+    } catch (const std::exception& e) {  // no memory or no thread for what was asked
+        log().error("viewer {}: {}", viewer_.number(), e.what());
+        viewer_.close(CloseCode::serverError, "out of memory");
     }
 }
 
@@ -125,6 +129,7 @@ void Session::handle(const SettingsMessage& message) {
         throw InputError("settings.enableEmbree, settings.enableVulkan", "false, false",
                          "true for one of them at least with device hybrid");
     }
+    checkCaps(settings, options_.caps);
     request_.settings = settings;
     request_.inputId = message.inputId;
     viewer_.setQuality(settings.jpegQuality);
@@ -134,12 +139,10 @@ void Session::handle(const SettingsMessage& message) {
 
 void Session::handle(const ResolutionMessage& message) {
     uint64_t pixels = static_cast<uint64_t>(message.size.x) * message.size.y;
-    if (!host_.grantPixels(viewer_.number(), FilmPool::FILMS * pixels)) {
-        throw InputError("resolution", std::to_string(pixels) + " pixels",
-                         "fewer: all viewers together have used up the memory for films");
-    }
+    const uvec2 given = largestSize(message.size, host_.grantPixels(viewer_.number(), pixels));
     std::lock_guard lock(mutex_);
-    request_.resolution = message.size;
+    if (given != message.size) viewer_.say(resolutionMessage(message.size, given, message.inputId));
+    request_.resolution = given;
     request_.inputId = message.inputId;
     showLocked();
 }
@@ -247,12 +250,15 @@ void Session::showLocked() {
 
 void Session::openScene(const std::string& name) {
     uint64_t order;
+    std::shared_ptr<void> ticket;
     {
         std::lock_guard lock(mutex_);
         order = ++sceneOrder_;
         orderedName_ = name;
         progressAt_ = {};
+        std::swap(sceneTicket_, ticket);
     }
+    ticket.reset();  // a load before, which nobody waits for now, takes no place from this one
     SceneListener listener;
     std::weak_ptr<Session> self = weak_from_this();
     listener.progress = [=](const std::string& what, double share) {
@@ -264,7 +270,6 @@ void Session::openScene(const std::string& name) {
     listener.failed = [=](const std::string& why, std::exception_ptr) {
         if (auto session = self.lock()) session->sceneFailed(order, why);
     };
-    std::shared_ptr<void> ticket;
     try {
         ticket = host_.openScene(name, std::move(listener));
     } catch (const InputError& e) {
@@ -321,7 +326,13 @@ void countDevices(const PassFigures& figures, DeviceCounts& counts) {
 }  // namespace
 
 void Session::take(FinishedFrame&& frame) {
-    if (!frame.picture) metrics_.stages[Metrics::render].add(frame.figures.lastPassSeconds);
+    if (!frame.picture) {
+        metrics_.stages[Metrics::render].add(frame.figures.lastPassSeconds);
+        std::lock_guard lock(mutex_);
+        frameAt_ = Clock::now();
+        const double seconds = frame.figures.lastPassSeconds;
+        secondsPerFrame_ = secondsPerFrame_ > 0.0 ? 0.8 * secondsPerFrame_ + 0.2 * seconds : seconds;
+    }
     metrics_.nonfiniteSamples += frame.figures.nonfiniteSamples;
     for (size_t i = 0; i < metrics_.rays.size(); i++) metrics_.rays[i] += frame.figures.rays.by[i];
     countDevices(frame.figures, metrics_.devices);
@@ -364,6 +375,12 @@ void Session::tick(Clock::time_point now) {
     stats.viewers = viewers;
     stats.residentBytes = residentBytes();
     viewer_.say(statsMessage(stats));
+}
+
+ViewerLoad Session::load(Clock::time_point now) const {
+    constexpr auto RECENT = 5s;
+    std::lock_guard lock(mutex_);
+    return {secondsPerFrame_, secondsPerFrame_ > 0.0 && now - frameAt_ < RECENT};
 }
 
 void Session::notice(const std::string& what) {

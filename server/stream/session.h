@@ -2,6 +2,7 @@
 // Joins one viewer and the view it looks at: newest request in, newest frame out. It checks what the viewer asks, keeps the
 // camera and the settings, and says what becomes of them. A fault of a viewer is answered to that viewer alone.
 
+#include "server/stream/admission.h"
 #include "server/stream/frame_loop.h"
 #include "server/stream/messages.h"
 #include "server/stream/viewer.h"
@@ -26,8 +27,9 @@ public:
     /// Opens one of them in the background. After the returned ticket is gone the listener is not called any more (a call
     /// in progress may still end). Throws InputError when no further scene fits.
     virtual std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) = 0;
-    /// Grants a viewer that many pixels of film instead of what it had before. False: memory set aside for films is used up.
-    virtual bool grantPixels(uint32_t viewer, uint64_t pixels) = 0;
+    /// Grants a viewer pixels of a picture instead of what it had before. Returns how many: fewer than `wanted` where the
+    /// memory for pictures does not suffice, at least 1.
+    virtual uint64_t grantPixels(uint32_t viewer, uint64_t wanted) = 0;
     virtual size_t viewerCount() const = 0;
     virtual Turns& turns() = 0;
     virtual Metrics& metrics() = 0;
@@ -41,6 +43,7 @@ public:
         Settings defaults;
         std::string token;        // empty: none is asked for
         bool authorized = false;  // the token came with the connection
+        SettingCaps caps = {};
     };
 
     Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocket> socket, Options options);
@@ -55,6 +58,8 @@ public:
     }
     /// To be called some times a second: statistics, limits of time.
     void tick(Clock::time_point now);
+    /// What it has used of the device lately.
+    ViewerLoad load(Clock::time_point now) const;
     /// Tells the viewer something in one line.
     void notice(const std::string& what);
     /// The server ends: the viewer is told, and what it sends is not taken any more but acknowledgements.
@@ -108,7 +113,8 @@ private:
     const Clock::time_point opened_ = Clock::now();
     uint32_t newestInput_ = 0;  // of the messages that were taken; the socket's thread alone
 
-    std::mutex mutex_;  // of what stands before viewer_; held while calling viewer_ and loop_, never while calling host_
+    mutable std::mutex
+        mutex_;  // of what stands before viewer_; held while calling viewer_ and loop_, never while calling host_
     bool authorized_ = false;
     bool ended_ = false;
     bool draining_ = false;
@@ -123,6 +129,8 @@ private:
     bool playing_ = false;
     std::string lastFailure_;
     Clock::time_point statsAt_{};
+    double secondsPerFrame_ = 0.0;  // device time of first passes, smoothed
+    Clock::time_point frameAt_{};   // the last one
 
     uint64_t costsOrder_ = 0;  // the newest asked for
     bool costsAwaited_ = false;

@@ -3,6 +3,7 @@
 #include "server/app/service.h"
 
 #include "server/base/error.h"
+#include "server/film/film_shares.h"
 #include "tests/support/web_client.h"
 
 #include <gmock/gmock.h>
@@ -178,23 +179,26 @@ TEST(Service, AFaultOfOneDisturbsNobodyElse) {
 
 TEST(Service, FilmsOfAllViewersTogetherAreLimited) {
     ServiceOptions o = options();
-    o.pixelLimit = FilmPool::FILMS * 10'000;
+    o.socket.maxViewers = 4;
+    o.pictureBytes = VIEWER_BYTES_A_PIXEL * 16'000;  // 1,000 pixels are everybody's for sure
     Running s(o);
     Viewer b(s.service.port());
     {
         Viewer a(s.service.port());
-        a.size(64, 48, 1);
-        a.untilInput(1);
+        a.size(90, 100, 1);
+        EXPECT_EQ(a.untilInput(1).fullSize, uvec2(90, 100));
         b.size(100, 80, 1);
-        EXPECT_EQ(b.untilText("error")["about"], "resolution");
-        b.size(100, 60, 2);
-        b.untilInput(2);
-        b.size(100, 69, 3);  // its own pixels are given back first
-        b.untilInput(3);
+        EXPECT_EQ(b.untilText("resolution")["given"], (nlohmann::json{79, 63}));
+        EXPECT_EQ(b.untilInput(1).fullSize, uvec2(79, 63));
+        b.size(100, 50, 2);  // its own pixels are given back first
+        EXPECT_EQ(b.untilInput(2).fullSize, uvec2(100, 50));
+        Viewer c(s.service.port());
+        c.size(30, 30, 1);
+        EXPECT_EQ(c.untilInput(1).fullSize, uvec2(30, 30)) << "within the guaranteed share";
     }
     EXPECT_TRUE(until([&] { return s.viewers(1); }));
     b.size(100, 100, 4);
-    b.untilInput(4);
+    EXPECT_EQ(b.untilInput(4).fullSize, uvec2(100, 100));
 }
 
 TEST(Service, AFirstSceneThatFailsIsTold) {
@@ -218,7 +222,8 @@ long threadCount() {
 
 TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
     ServiceOptions o = options();
-    o.pixelLimit = FilmPool::FILMS * 1000 * 600;
+    o.socket.maxViewers = 4;
+    o.pictureBytes = VIEWER_BYTES_A_PIXEL * 1000 * 600 * 4 / 3;
     Running s(o);
     Viewer last(s.service.port());
     last.size(64, 48, 1);

@@ -51,6 +51,14 @@ TEST(Machine, ResidentMemoryGrowsWithWhatIsTouched) {
     EXPECT_GE(peakResidentBytes(), before + SIZE / 2);
 }
 
+TEST(Machine, KnowsTheMemoryThatItMayUse) {
+    EXPECT_GT(usableMemory(), residentBytes());
+    EXPECT_EQ(memoryLimitIn("1572864000\n"), 1'572'864'000u);
+    EXPECT_EQ(memoryLimitIn("max"), 0u);
+    EXPECT_EQ(memoryLimitIn("9223372036854771712"), 0u);  // version 1 without a limit
+    EXPECT_EQ(memoryLimitIn(""), 0u);
+}
+
 TEST(Machine, HasAProcessorWithAName) {
     EXPECT_GE(usableProcessors(), 1u);
     EXPECT_FALSE(processorName().empty());

@@ -63,7 +63,7 @@ public:
         else listener.ready(residentScene(name, name != "bare", device));
         return std::make_shared<int>(0);
     }
-    bool grantPixels(uint32_t, uint64_t pixels) override { return pixels <= pixelLimit; }
+    uint64_t grantPixels(uint32_t, uint64_t wanted) override { return std::min(wanted, pixelLimit); }
     std::vector<std::string> devices() const override { return {"auto", "embree", "raster", "hybrid"}; }
     size_t viewerCount() const override { return 3; }
     Turns& turns() override { return turns_; }
@@ -433,16 +433,6 @@ TEST(Session, ACameraOutOfReachIsRefusedAndTheLastOneStays) {
     ASSERT_TRUE(line.socket->until([&] { return line.socket->headers.back().inputId == 9; }));
 }
 
-TEST(Session, TooManyPixelsAreRefused) {
-    Line line;
-    line.session->begin();
-    line.size(2000, 1000);
-    EXPECT_EQ(line.socket->last("error")["about"], "resolution");
-    line.size(100, 100);
-    ASSERT_TRUE(line.socket->untilFrame(1));
-    EXPECT_EQ(line.socket->headers[0].size, uvec2(100, 100));
-}
-
 TEST(Session, EffectCostsComeOnDemand) {
     Line line;
     line.session->begin();
@@ -707,6 +697,37 @@ TEST(StatsWindow, TilesAreThoseOfTheWindow) {
     frame.figures.tiles = {{"vulkan:0", 20}};
     window.frameSent(frame);
     EXPECT_EQ(window.take(0.5, {}).tiles, (std::map<std::string, uint64_t>{{"vulkan:0", 20}}));
+}
+
+TEST(Session, ASizeThatDoesNotFitIsMadeSmallerAndTold) {
+    Line line;
+    line.host.pixelLimit = 300;
+    line.session->begin();
+    line.size(64, 48, 5);
+    const json told = line.socket->last("resolution");
+    EXPECT_EQ(told["wanted"], (json{64, 48}));
+    EXPECT_EQ(told["given"], (json{20, 15}));
+    EXPECT_EQ(told["inputId"], 5);
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    EXPECT_EQ(line.socket->headers[0].fullSize, uvec2(20, 15));
+    EXPECT_EQ(line.socket->headers[0].inputId, 5u);
+    EXPECT_TRUE(line.socket->last("error").is_null());
+}
+
+TEST(Session, WhatTheOperatorCapsIsRefusedAndStandsInTheSchema) {
+    FakeHost host;
+    auto socket = std::make_shared<FakeSocket>();
+    Session::Options options;
+    options.caps = {16, 8, 3};
+    auto session = std::make_shared<Session>(1, host, socket, options);
+    session->begin();
+    EXPECT_EQ(socket->last("settings")["values"]["samples"], 16) << "the default is within the cap";
+    for (const json& row : socket->last("hello")["schema"]) {
+        if (row["name"] == "aoSamples") EXPECT_EQ(row["high"], 8);
+    }
+    session->receive(json{{"type", "settings"}, {"inputId", 2}, {"values", {{"aoSamples", 9}}}}.dump());
+    EXPECT_EQ(socket->last("error")["message"], "settings.aoSamples: 9; allowed: at most 8 on this server");
+    EXPECT_NE(socket->last("settings")["values"]["aoSamples"], 9);
 }
 
 }  // namespace

@@ -1,0 +1,27 @@
+#pragma once
+// Whether another viewer is let in: only where it and those inside would still see so many frames a second. Pure functions.
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace heliograph {
+
+/// What a viewer inside has used of the device lately.
+struct ViewerLoad {
+    double secondsPerFrame = 0.0;  // device time of its last frames' first passes; 0: none yet
+    bool active = false;           // it had a frame within the last seconds
+};
+
+/// This many are always let in: so few say little of what a frame costs here, and cannot keep others out by dear settings.
+constexpr size_t ALWAYS_ADMITTED = 4;
+
+/// Frames a second that a newcomer may expect, with settings as cheap as the cheaper quarter of those who are active: turns are
+/// shared by time, so each has one part of (active + 1). Infinity while nothing is known.
+double expectedRate(std::span<const ViewerLoad> inside);
+
+/// Seconds after which a refused newcomer should try again; nothing: it is let in. `leastRate`: frames a second that everybody
+/// should have; 0: everybody is let in.
+std::optional<int> retryAfter(std::span<const ViewerLoad> inside, double leastRate);
+
+}  // namespace heliograph

@@ -1,0 +1,78 @@
+#include "server/film/film_shares.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace heliograph {
+namespace {
+
+constexpr uint64_t GIB = 1ull << 30;
+
+uint64_t pixelsOf(uvec2 size) { return static_cast<uint64_t>(size.x) * size.y; }
+
+TEST(FilmShares, MemoryIsTheOptionsOrHalfOfTheMachineWhateverIsLess) {
+    EXPECT_EQ(filmMemory(0, 8 * GIB), 4 * GIB);
+    EXPECT_EQ(filmMemory(GIB, 8 * GIB), GIB);
+    EXPECT_EQ(filmMemory(100 * GIB, 8 * GIB), 4 * GIB);
+    EXPECT_EQ(filmMemory(3 * GIB, 0), 3 * GIB);
+    EXPECT_EQ(filmMemory(0, 0), 2 * GIB);
+}
+
+TEST(FilmShares, AllThatIsGrantedFitsTheBudgetAndEverybodyGetsTheGuaranteedPart) {
+    std::mt19937 random(11);
+    for (int round = 0; round < 2'000; round++) {
+        const FilmBudget budget{1'000 + random() % 100'000'000, 1 + random() % 40};
+        const uint64_t guaranteed = guaranteedPixels(budget);
+        std::vector<uint64_t> granted;
+        for (uint64_t viewer = 0; viewer < budget.places; viewer++) {
+            const uint64_t wanted = random() % (2 * budget.pixels);
+            granted.push_back(grantedPixels(wanted, granted, budget));
+            EXPECT_GE(granted.back(), std::min(wanted, guaranteed));
+        }
+        for (int change = 0; change < 20; change++) {
+            const size_t who = random() % granted.size();
+            std::vector<uint64_t> others = granted;
+            others.erase(others.begin() + static_cast<std::ptrdiff_t>(who));
+            const uint64_t wanted = random() % (2 * budget.pixels);
+            granted[who] = grantedPixels(wanted, others, budget);
+            EXPECT_GE(granted[who], std::min(wanted, guaranteed));
+            uint64_t sum = 0;
+            for (uint64_t pixels : granted) sum += pixels;
+            ASSERT_LE(sum, budget.pixels);
+        }
+    }
+}
+
+TEST(FilmShares, OneAloneGetsMostAndThreeLeaveTheOthersTheirs) {
+    const FilmBudget budget{32'000'000, 32};
+    std::vector<uint64_t> granted;
+    for (int viewer = 0; viewer < 3; viewer++) granted.push_back(grantedPixels(33'177'600, granted, budget));
+    EXPECT_GE(granted[0], 24'000'000u);
+    for (int viewer = 3; viewer < 32; viewer++) granted.push_back(grantedPixels(320 * 180, granted, budget));
+    for (size_t viewer = 3; viewer < 32; viewer++) EXPECT_EQ(granted[viewer], 320u * 180u) << viewer;
+}
+
+TEST(FilmShares, TheLargestSizeKeepsTheShape) {
+    EXPECT_EQ(largestSize({1920, 1080}, 1920 * 1080), uvec2(1920, 1080));
+    const uvec2 size = largestSize({8192, 4050}, 3'000'000);
+    EXPECT_LE(pixelsOf(size), 3'000'000u);
+    EXPECT_GE(pixelsOf(size), 2'980'000u);
+    EXPECT_NEAR(static_cast<double>(size.x) / size.y, 8192.0 / 4050.0, 0.01);
+}
+
+TEST(FilmShares, TheLargestSizeFitsForEveryShape) {
+    std::mt19937 random(5);
+    for (int round = 0; round < 10'000; round++) {
+        const uvec2 wanted(1 + random() % 8192, 1 + random() % (round % 2 ? 20 : 8192));
+        const uint64_t pixels = 1 + random() % 1'000'000;
+        const uvec2 size = largestSize(wanted, pixels);
+        EXPECT_LE(pixelsOf(size), pixels);
+        EXPECT_GE(std::min(size.x, size.y), 1u);
+        EXPECT_TRUE(size.x <= wanted.x && size.y <= wanted.y);
+    }
+}
+
+}  // namespace
+}  // namespace heliograph
