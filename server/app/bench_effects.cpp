@@ -1,6 +1,6 @@
 #include "server/app/bench_effects.h"
 
-#include "server/app/bench_partner.h"
+#include "server/lab/bench_partner.h"
 #include "server/app/devices.h"
 #include "server/base/progress_bar.h"
 #include "server/base/clock.h"

@@ -1,4 +1,4 @@
-#include "server/app/bench_partner.h"
+#include "server/lab/bench_partner.h"
 #include "server/lab/effect_bench.h"
 
 #include "tests/support/direct_renderer.h"
