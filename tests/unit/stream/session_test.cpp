@@ -723,7 +723,9 @@ TEST(Session, WhatTheOperatorCapsIsRefusedAndStandsInTheSchema) {
     session->begin();
     EXPECT_EQ(socket->last("settings")["values"]["samples"], 16) << "the default is within the cap";
     for (const json& row : socket->last("hello")["schema"]) {
-        if (row["name"] == "aoSamples") EXPECT_EQ(row["high"], 8);
+        if (row["name"] == "aoSamples") {
+            EXPECT_EQ(row["high"], 8);
+        }
     }
     session->receive(json{{"type", "settings"}, {"inputId", 2}, {"values", {{"aoSamples", 9}}}}.dump());
     EXPECT_EQ(socket->last("error")["message"], "settings.aoSamples: 9; allowed: at most 8 on this server");
