@@ -41,7 +41,7 @@ def row(label, result):
 
 
 def head(first):
-    print('\n| %s | inside | frames/s | fps mean | fps least | p50 ms | p95 ms | last input ms | errors | refused | MiB each |' % first)
+    print('\n| %s | inside | frames/s | mean | least | p50 | p95 | last | errors | refused | MiB |' % first)
     print('| ---: | ' + ' | '.join(['---:'] * 10) + ' |', flush=True)
 
 
