@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/base/log.h"
+#include "server/device/vulkan/core/keep_libraries.h"
 #include "server/device/vulkan/core/physical_device.h"
 
 #include <algorithm>
@@ -79,6 +80,7 @@ void VulkanContext::create() {
         info.pNext = &messenger;
     }
     check(vkCreateInstance(&info, nullptr, &instance_), "start");
+    keepLibraries();
     if (!options_.validation) return;
     auto make = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
         vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));

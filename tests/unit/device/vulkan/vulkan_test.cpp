@@ -1,5 +1,6 @@
 #include "server/device/embree/embree_device.h"
 #include "server/device/vulkan/tree/bvh_builder.h"
+#include "server/device/vulkan/core/keep_libraries.h"
 #include "server/device/vulkan/core/spirv_exact.h"
 #include "server/device/vulkan/trace/batch.h"
 #include "server/device/vulkan/trace/gpu_scene.h"
@@ -18,8 +19,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <dlfcn.h>
+
 #include <bit>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <thread>
 
 namespace heliograph {
@@ -298,6 +303,27 @@ TEST_F(Vulkan, StopsBetweenBatches) {
     gpu->render(
         request, tiles, [&](TileResult&&) { delivered++; }, stop.get_token());
     EXPECT_EQ(delivered, 0u);
+}
+
+/// Whether a file is mapped as code.
+bool isLoaded(const std::string& name) {
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+        if (line.find("r-xp") != std::string::npos && line.ends_with(name)) return true;
+    }
+    return false;
+}
+
+// A driver that was unloaded while threads that had called it were still there ended the process (NVIDIA 580, hybrid).
+TEST(KeepLibraries, WhatWasLoadedThenStays) {
+    const std::string module = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "other-images.so";
+    for (const bool kept : {false, true}) {
+        void* handle = dlopen(module.c_str(), RTLD_NOW);
+        ASSERT_TRUE(handle) << dlerror();
+        if (kept) keepLibraries();
+        dlclose(handle);
+        EXPECT_EQ(isLoaded("/other-images.so"), kept);
+    }
 }
 
 /// A Vulkan device with the processor behind it.
