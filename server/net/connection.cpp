@@ -93,6 +93,11 @@ std::optional<Connection::Closing> Connection::closing() const {
     return closing_;
 }
 
+bool Connection::closeAsked() const {
+    std::lock_guard lock(mutex_);
+    return closing_.has_value();
+}
+
 std::optional<CloseCode> Connection::receive(std::string_view piece, bool binary, bool last, double now) {
     if (binary) return CloseCode::unsupportedData;
     if (incoming_.size() + piece.size() > MESSAGE_LIMIT) return CloseCode::messageTooBig;

@@ -40,6 +40,8 @@ public:
         std::string reason;
     };
     std::optional<Closing> closing() const;
+    /// It is to be closed, maybe after what is just being written.
+    bool closeAsked() const;
 
     /// Takes a piece of an incoming message. Returns the code to close with if the message breaks a rule.
     std::optional<CloseCode> receive(std::string_view piece, bool binary, bool last, double now);

@@ -30,8 +30,8 @@ enum class CloseCode : uint16_t {
     messageTooBig = 1009,
     serverError = 1011,
     tryAgainLater = 1013,  // no thread or no memory for another viewer
-    unauthorized = 4001,  // no token within 5 seconds, or a wrong one
-    stalled = 4008,       // frames on their way were not acknowledged for 10 seconds
+    unauthorized = 4001,   // no token within 5 seconds, or a wrong one
+    stalled = 4008,        // frames on their way were not acknowledged for 10 seconds
 };
 
 enum class PictureFormat { png, exr, jpg };

@@ -19,8 +19,15 @@ struct SocketAccess {
     size_t maxViewers = MAX_VIEWERS;
 };
 
+/// How long things may last.
+struct SocketTimes {
+    std::chrono::milliseconds write = WRITE_WINDOW;  // in which something has to be taken of what is sent
+    std::chrono::milliseconds close = CLOSE_WAIT;    // until a close frame is out
+};
+
 struct SocketOptions : SocketAccess {
     ListenAddress listen;
+    SocketTimes times;
     ClientFiles files;
 };
 
@@ -49,6 +56,8 @@ public:
     virtual void turned() = 0;
 };
 
+class SocketLoop;
+
 class SocketServer {
 public:
     /// Binds the port. Throws InputError if it is taken or a certificate does not fit.
@@ -70,8 +79,7 @@ public:
     void stop();
 
 private:
-    class Impl;
-    std::unique_ptr<Impl> impl_;
+    std::unique_ptr<SocketLoop> impl_;
 };
 
 }  // namespace heliograph

@@ -28,8 +28,11 @@ struct WebMessage {
 
 class WebClient {
 public:
-    /// Connects to 127.0.0.1. Reading waits at most 20 s. Throws std::runtime_error.
-    explicit WebClient(int port);
+    /// Connects to 127.0.0.1, from another address of this machine if one is given. Reading waits at most 20 s; `receiveBuffer`
+    /// bytes of the system, where it is not 0. Throws std::runtime_error.
+    explicit WebClient(int port, const char* from = nullptr, int receiveBuffer = 0);
+    /// Connects to a unix socket.
+    explicit WebClient(const std::string& path);
     ~WebClient();
     WebClient(const WebClient&) = delete;
 
@@ -40,6 +43,8 @@ public:
     /// Asks for the WebSocket at `path`; status 101 when it is open.
     HttpAnswer upgrade(const std::string& headers, const std::string& path = "/ws");
     HttpAnswer readAnswer();
+    /// Waits until the server has closed; false if it sends something instead.
+    bool untilClosed();
 
     /// One WebSocket message, masked as a client has to. `last` false: a fragment. opcode 0 continues one.
     void sendFrame(int opcode, const std::string& bytes, bool last = true);
