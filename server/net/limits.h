@@ -23,6 +23,13 @@
     LIMIT(uint32_t, MAX_UNACKED, 2, "frames", "on their way to a viewer; nothing more is sent until one is acknowledged")    \
     LIMIT(size_t, PICTURES_WAITING, 2, "pictures", "that wait for a viewer who reads slowly; more: close 4008")              \
     LIMIT(size_t, TEXT_WAITING, 4194304, "bytes", "of text that wait for a viewer who reads slowly; more: close 4008")       \
+    LIMIT(size_t, MAX_GUESTS, 32, "viewers", "that have not said the token yet; another one: the oldest goes, close 1013")   \
+    LIMIT(size_t, SPARE_CONNECTIONS, 512, "connections", "beside the viewers; another one: the oldest idle one goes")        \
+    LIMIT(size_t, SPARE_PER_ADDRESS, 256, "connections", "of one address beside the viewers; as above")                      \
+    LIMIT(size_t, RESERVED_CONNECTIONS, 16, "connections", "where none is idle: `/healthz`, `/readyz`, `/metrics` alone")    \
+    LIMIT(int, FREE_GUESSES, 10, "tokens", "wrong ones of an address, each answered later; more: 1 s locked out, doubling")  \
+    LIMIT(std::chrono::seconds, LONGEST_LOCKOUT, 300, "seconds", "that an address is locked out for a wrong token")          \
+    LIMIT(std::chrono::seconds, GUESS_MEMORY, 600, "seconds", "without a wrong token; longer: they are forgotten")           \
     LIMIT(std::chrono::seconds, TOKEN_WAIT, 5, "seconds", "for the token; longer: close 4001")                               \
     LIMIT(std::chrono::seconds, STALL_PAUSE, 2, "seconds", "without an acknowledgement; longer: nothing is rendered ahead")  \
     LIMIT(std::chrono::seconds, STALL_CLOSE, 10, "seconds", "without an acknowledgement; longer: close 4008")                \

@@ -2,6 +2,8 @@
 
 #include "server/base/error.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -54,6 +56,22 @@ ListenAddress parseListenAddress(const std::string& text) {
 bool isLoopback(std::string_view host) {
     return host == "localhost" || host == "::1" ||
            (host.starts_with("127.") && host.find_first_not_of("0123456789.") == host.npos);
+}
+
+bool hostAllowed(std::string_view host, const std::vector<std::string>& allowed, bool loopbackOnly, bool hasToken,
+                 std::string_view machine) {
+    if (hasToken || host.empty()) return true;  // empty: HTTP/1.0, which no browser speaks
+    const std::string name = splitAuthority(host).host;
+    if (name.empty()) return false;
+    if (isLoopback(name)) return true;
+    for (const std::string& origin : allowed) {
+        const size_t scheme = origin.find("://");
+        if (scheme != origin.npos && splitAuthority(std::string_view(origin).substr(scheme + 3)).host == name) return true;
+    }
+    if (loopbackOnly) return false;
+    unsigned char address[16];
+    if (inet_pton(AF_INET, name.c_str(), address) == 1 || inet_pton(AF_INET6, name.c_str(), address) == 1) return true;
+    return !machine.empty() && (name == lower(machine) || name == lower(machine) + ".local");
 }
 
 bool originAllowed(std::string_view origin, std::string_view host, const std::vector<std::string>& allowed, bool loopbackOnly) {

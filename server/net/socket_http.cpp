@@ -1,9 +1,11 @@
 // What the socket loop answers over HTTP.
 
+#include "server/base/clock.h"
+#include "server/base/log.h"
 #include "server/net/socket_loop.h"
-#include "server/net/token.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace heliograph {
@@ -23,6 +25,26 @@ constexpr std::pair<const char*, const char*> SECURITY_HEADERS[] = {
     {"cross-origin-resource-policy:", "same-origin"},
     {"cache-control:", "no-store"},
 };
+bool addHeader(lws* wsi, const char* name, std::string_view value, unsigned char*& at, unsigned char* end) {
+    return lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name),
+                                       reinterpret_cast<const unsigned char*>(value.data()), static_cast<int>(value.size()),
+                                       &at, end) == 0;
+}
+
+/// Status line and headers; `retryAfter` seconds where not zero. False where they do not fit.
+bool addHeaders(lws* wsi, unsigned status, const std::string& mimeType, size_t bytes, double retryAfter, unsigned char*& at,
+                unsigned char* end) {
+    if (lws_add_http_common_headers(wsi, status, mimeType.c_str(), bytes, &at, end)) return false;
+    if (status == 401 && !addHeader(wsi, "www-authenticate:", "Bearer realm=\"heliograph\"", at, end)) return false;
+    if (status == 405 && !addHeader(wsi, "allow:", "GET, HEAD", at, end)) return false;
+    const std::string seconds = std::to_string(static_cast<int>(std::ceil(retryAfter)));
+    if (retryAfter > 0.0 && !addHeader(wsi, "retry-after:", seconds, at, end)) return false;
+    for (const auto& [name, value] : SECURITY_HEADERS) {
+        if (!addHeader(wsi, name, value, at, end)) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 std::string headerOf(lws* wsi, lws_token_indexes which) {
@@ -50,6 +72,7 @@ int SocketLoop::http(lws* wsi, lws_callback_reasons reason, std::string_view in)
 }
 
 int SocketLoop::request(lws* wsi, std::string_view path) {
+    if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0 && lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) <= 0) {
         return refuse(wsi, 405, "only GET is answered here");
     }
@@ -59,10 +82,13 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
         return answer(wsi, state.ready ? 200 : 503, "application/json", {std::move(state.json), {}, 0});
     }
     if (path == "/metrics") {
-        if (!options_.token.empty() && !hasToken(wsi))
-            return refuse(wsi, 401, "Authorization: Bearer with the token is needed");
+        const Bearer bearer = bearerOf(wsi);
+        if (!options_.token.empty() && bearer != Bearer::right) return refuseBearer(wsi, bearer);
         return answer(wsi, 200, "text/plain; version=0.0.4", {handler_.metricsText(), {}, 0});
     }
+    auto link = links_.find(wsi);
+    if (link != links_.end()) link->second.since = Clock::now();
+    if (link != links_.end() && link->second.reserved) return refuse(wsi, 503, "too many connections", RETRY_SECONDS);
     auto file = options_.files.find(path);
     if (file == options_.files.end()) return answer(wsi, 404, "text/plain", {"not found\n", {}, 0});
     return answer(wsi, 200, file->second.mimeType, {{}, file->second.bytes, 0});
@@ -74,13 +100,8 @@ int SocketLoop::answer(lws* wsi, unsigned status, const std::string& mimeType, A
     if (!kept.own.empty()) kept.bytes = kept.own;
     unsigned char buffer[LWS_PRE + HEADER_BYTES];
     unsigned char *begin = buffer + LWS_PRE, *at = begin, *end = buffer + sizeof buffer - 1;
-    if (lws_add_http_common_headers(wsi, status, mimeType.c_str(), kept.bytes.size(), &at, end)) return -1;
-    for (const auto& [name, value] : SECURITY_HEADERS) {
-        const auto* bytes = reinterpret_cast<const unsigned char*>(value);
-        if (lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name), bytes,
-                                        static_cast<int>(std::strlen(value)), &at, end))
-            return -1;
-    }
+    const double retryAfter = status == 503 ? 1.0 : 0.0;
+    if (!addHeaders(wsi, status, mimeType, kept.bytes.size(), retryAfter, at, end)) return -1;
     if (lws_finalize_write_http_header(wsi, begin, &at, end)) return -1;
     if (head || kept.bytes.empty()) {
         answers_.erase(wsi);
@@ -109,16 +130,48 @@ int SocketLoop::writeAnswer(lws* wsi) {
     return lws_http_transaction_completed(wsi) ? -1 : 0;
 }
 
-bool SocketLoop::hasToken(lws* wsi) const {
-    std::string authorization = headerOf(wsi, WSI_TOKEN_HTTP_AUTHORIZATION);
-    constexpr std::string_view bearer = "Bearer ";
-    return authorization.starts_with(bearer) &&
-           sameSecret(std::string_view(authorization).substr(bearer.size()), options_.token);
+SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi) {
+    constexpr std::string_view scheme = "Bearer ";
+    if (options_.token.empty() || lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_AUTHORIZATION) <= 0) return Bearer::none;
+    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
+    const double now = wallSeconds();
+    // As long as it lasts the right token does not pass either, else guessing would go on.
+    if (guard_.lockedFor(address, now) > 0.0) return Bearer::locked;
+    const std::string authorization = headerOf(wsi, WSI_TOKEN_HTTP_AUTHORIZATION);
+    if (authorization.starts_with(scheme) &&
+        sameSecret(std::string_view(authorization).substr(scheme.size()), options_.token)) {
+        guard_.right(address);
+        return Bearer::right;
+    }
+    guard_.wrong(address, now);
+    if (wrongNotes_.take(1.0, now)) log().warn("wrong token from {}", address);
+    return Bearer::wrong;
 }
 
-int SocketLoop::refuse(lws* wsi, unsigned status, const std::string& why) {
+int SocketLoop::refuseBearer(lws* wsi, Bearer bearer) {
+    if (bearer != Bearer::locked) return refuse(wsi, 401, "Authorization: Bearer with the token is needed");
+    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
+    return refuse(wsi, 429, "too many wrong tokens from this address", guard_.lockedFor(address, wallSeconds()));
+}
+
+bool SocketLoop::namesUs(lws* wsi) const {
+    const bool loopbackOnly = isLoopback(options_.listen.host) && options_.token.empty();
+    return hostAllowed(headerOf(wsi, WSI_TOKEN_HOST), options_.allowedOrigins, loopbackOnly, !options_.token.empty(), machine_);
+}
+
+/// Answers at once with what stands against it; the connection ends then.
+int SocketLoop::refuse(lws* wsi, unsigned status, const std::string& why, double retryAfter) {
     handler_.refused(status, why);
-    lws_return_http_status(wsi, status, why.c_str());
+    const std::string body = why + "\n";
+    const bool head = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
+    unsigned char buffer[LWS_PRE + HEADER_BYTES];
+    unsigned char *begin = buffer + LWS_PRE, *at = begin, *end = buffer + sizeof buffer - 1;
+    if (!addHeaders(wsi, status, "text/plain", body.size(), retryAfter, at, end)) return -1;
+    if (lws_finalize_write_http_header(wsi, begin, &at, end)) return -1;
+    if (head) return 1;
+    std::memcpy(begin, body.data(), std::min<size_t>(body.size(), HEADER_BYTES));
+    lws_write(wsi, begin, std::min<size_t>(body.size(), HEADER_BYTES), LWS_WRITE_HTTP_FINAL);
     return 1;
 }
+
 }  // namespace heliograph

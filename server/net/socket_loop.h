@@ -2,8 +2,10 @@
 // The thread that serves all connections, over libwebsockets: socket_server.cpp begins and ends it, socket_http.cpp answers
 // requests, socket_viewers.cpp moves what viewers say and are sent.
 
+#include "server/net/admission.h"
 #include "server/net/connection.h"
 #include "server/net/socket_server.h"
+#include "server/net/token.h"
 #include "server/net/write_watch.h"
 
 #include <libwebsockets.h>
@@ -25,6 +27,19 @@ struct Answer {
     std::string_view bytes;  // `own` or a file's
     size_t offset = 0;
 };
+
+/// What a connection says before it has said the token: its first message is kept.
+class Guest : public ViewerPeer {
+public:
+    void receive(std::string_view text) override {
+        if (!said) said = std::string(text);
+    }
+    void written(FrameKind, double, double) override {}
+    std::optional<std::string> said;
+};
+
+constexpr double RETRY_SECONDS = 2.0;  // for those who find no room
+constexpr const char* NOT_OUR_NAME = "this server does not go by that name; --allow-origin would let it";
 
 class SocketLoop {
 public:
@@ -59,10 +74,22 @@ private:
         lws_sorted_usec_list_t entry{};
         SocketLoop* loop = nullptr;
     };
+    using Clock = std::chrono::steady_clock;
+    /// A connection, whatever it speaks.
+    struct Link {
+        std::string address;
+        Clock::time_point since;  // accepted, or the last answer
+        WriteWatch writes;        // of answers over HTTP
+        bool reserved = false;    // beyond the limit: only health is told
+        bool leaving = false;     // gave way
+    };
     struct Viewer {
         std::shared_ptr<Connection> connection;
         WriteWatch writes;
         std::optional<std::chrono::steady_clock::time_point> closeAsked;  // the close waits since then
+        std::shared_ptr<Guest> guest;                                     // while the token is not said
+        Clock::time_point since{};                                        // of the guest
+        std::optional<Clock::time_point> wrongToken;                      // when that is answered
     };
 
     static int callback(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
@@ -75,14 +102,30 @@ private:
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
     int upgrade(lws* wsi);
-    int refuse(lws* wsi, unsigned status, const std::string& why);
-    bool hasToken(lws* wsi) const;
+    int refuse(lws* wsi, unsigned status, const std::string& why, double retryAfter = 0.0);
+    /// The token that came with the request.
+    enum class Bearer { none, wrong, locked, right };
+    Bearer bearerOf(lws* wsi);
+    int refuseBearer(lws* wsi, Bearer bearer);
+    void wrongToken(const std::string& address);
+    std::string noRoom();
+    size_t viewerCount() const;
+    bool namesUs(lws* wsi) const;
+    bool connects(int descriptor);
+    void connected(lws* wsi);
+    std::vector<Waiting> waiting(bool guests) const;
+    void makeRoomForGuest();
+    void takeToken(lws* wsi, Viewer& viewer);
+    void enter(Viewer& viewer, bool authorized);
     void open(lws* wsi);
     int write(lws* wsi, Connection& connection);
     void sweep();
     bool inTime(lws* wsi, Viewer& viewer);
-    int receive(lws* wsi, Connection& connection, std::string_view piece);
+    void sweepGuest(Viewer& viewer);
+    void sweepLinks();
+    int receive(lws* wsi, Viewer& viewer, std::string_view piece);
     int closeWith(lws* wsi, CloseCode code, const std::string& reason);
+    void leave(lws* wsi);
     void forget(lws* wsi);
 
     SocketHandler& handler_;
@@ -91,7 +134,12 @@ private:
     std::optional<SocketAccess> reload_;  // not taken yet
     std::shared_ptr<Waker> waker_ = std::make_shared<Waker>();
     std::map<lws*, Answer> answers_;
-    std::map<lws*, Viewer> viewers_;
+    std::map<lws*, Viewer> viewers_;  // guests among them
+    std::map<lws*, Link> links_;
+    TokenGuard guard_;
+    bool reserveNext_ = false;        // the connection that is being taken is beyond the limit
+    RateLimit wrongNotes_{1.0, 5.0};  // lines of the log
+    const std::string machine_;
     std::set<lws*> authorized_;  // between upgrade and open
     Timer timer_;
     std::thread thread_;

@@ -6,6 +6,7 @@
 #include "server/net/socket_loop.h"
 
 #include <openssl/ssl.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <fstream>
@@ -18,7 +19,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto GOODBYE = 150ms;  // for close frames when the server ends
+constexpr unsigned LEAVING = 128;  // connections that gave way and are not gone yet
+constexpr auto GOODBYE = 150ms;    // for close frames when the server ends
+
+std::string machineName() {
+    char name[256] = "";
+    return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
 
 /// The last error that the library logged: it says why a certificate does not fit.
 std::string& lastLibraryError() {
@@ -42,7 +49,8 @@ enum { PROTOCOL_HTTP, PROTOCOL_VIEWER };
 
 }  // namespace
 
-SocketLoop::SocketLoop(SocketOptions options, SocketHandler& handler) : options_(std::move(options)), handler_(handler) {
+SocketLoop::SocketLoop(SocketOptions options, SocketHandler& handler)
+    : options_(std::move(options)), handler_(handler), machine_(machineName()) {
     const ListenAddress& listen = options_.listen;
     std::string problem = bindProblem(listen);
     if (!problem.empty()) {
@@ -81,7 +89,8 @@ void SocketLoop::createContext() {
     info.keepalive_timeout = 15;
     info.retry_and_idle_policy = &keepAlive;
     info.pt_serv_buf_size = 16384;
-    info.fd_limit_per_thread = static_cast<unsigned>(options_.maxViewers) + 128;
+    info.fd_limit_per_thread =
+        static_cast<unsigned>(options_.maxViewers + options_.spareConnections + RESERVED_CONNECTIONS) + LEAVING;
     // Without this a browser picks HTTP/2 over TLS and opens the WebSocket inside it, where 4.1.6 reads past its buffer.
     info.alpn = "http/1.1";
     if (!options_.certificateFile.empty()) {
@@ -167,11 +176,15 @@ int SocketLoop::callback(lws* wsi, lws_callback_reasons reason, void* user, void
     if (server && reason == LWS_CALLBACK_OPENSSL_LOAD_EXTRA_SERVER_VERIFY_CERTS)
         server->tlsContext_ = static_cast<SSL_CTX*>(user);
     if (!server || !protocol) return 0;
+    // Here the library passes a descriptor in the place of a pointer.
+    if (reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION)
+        return server->connects(static_cast<int>(reinterpret_cast<intptr_t>(in))) ? 0 : -1;
     std::string_view bytes = in ? std::string_view(static_cast<const char*>(in), length) : std::string_view();
     // The library names the protocol to upgrade to as a C string and gives no length.
     if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE && in) bytes = static_cast<const char*>(in);
     try {
         if (reason == LWS_CALLBACK_WSI_DESTROY) server->forget(wsi);
+        else if (reason == LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED) server->connected(wsi);
         else if (protocol->name == std::string_view(PROTOCOL_NAME)) return server->viewer(wsi, reason, bytes);
         else return server->http(wsi, reason, bytes);
     } catch (const std::exception& e) {

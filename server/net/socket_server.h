@@ -21,6 +21,7 @@ struct SocketAccess {
 
 /// How long things may last.
 struct SocketTimes {
+    std::chrono::milliseconds token = TOKEN_WAIT;    // until it is said
     std::chrono::milliseconds write = WRITE_WINDOW;  // in which something has to be taken of what is sent
     std::chrono::milliseconds close = CLOSE_WAIT;    // until a close frame is out
 };
@@ -28,6 +29,9 @@ struct SocketTimes {
 struct SocketOptions : SocketAccess {
     ListenAddress listen;
     SocketTimes times;
+    size_t maxGuests = MAX_GUESTS;                // viewers that have not said the token yet
+    size_t spareConnections = SPARE_CONNECTIONS;  // beside the viewers
+    size_t spareConnectionsPerAddress = SPARE_PER_ADDRESS;
     ClientFiles files;
 };
 
@@ -35,7 +39,7 @@ struct SocketOptions : SocketAccess {
 class SocketHandler {
 public:
     virtual ~SocketHandler() = default;
-    /// A viewer connected. `authorized`: it brought the token as `Authorization: Bearer`.
+    /// A viewer connected. `authorized`: it brought the token, where one is asked for; nobody comes here without.
     virtual std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) = 0;
     /// It has gone; its socket takes nothing any more. `code`: what the server closed with; nothing where the viewer left.
     virtual void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) = 0;

@@ -31,6 +31,7 @@ bool lists(std::string_view list, std::string_view word) {
 int SocketLoop::upgrade(lws* wsi) {
     const std::string host = headerOf(wsi, WSI_TOKEN_HOST), origin = headerOf(wsi, WSI_TOKEN_ORIGIN);
     const bool loopbackOnly = isLoopback(options_.listen.host) && options_.token.empty();
+    if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (headerOf(wsi, WSI_TOKEN_GET_URI) != "/ws") return refuse(wsi, 404, "WebSocket is spoken at /ws");
     if (!lists(headerOf(wsi, WSI_TOKEN_PROTOCOL), PROTOCOL_NAME)) {
         return refuse(wsi, 400, std::string("this server speaks ") + PROTOCOL_NAME);
@@ -38,14 +39,25 @@ int SocketLoop::upgrade(lws* wsi) {
     if (!originAllowed(origin, host, options_.allowedOrigins, loopbackOnly)) {
         return refuse(wsi, 403, "pages of another origin may not connect");
     }
-    if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_AUTHORIZATION) > 0 && !options_.token.empty() && !hasToken(wsi)) {
-        return refuse(wsi, 401, "wrong token");
-    }
-    if (!options_.token.empty() && hasToken(wsi)) authorized_.insert(wsi);
-    if (handler_.ending()) return refuse(wsi, 503, "the server ends");
-    if (viewers_.size() >= options_.maxViewers) return refuse(wsi, 503, "no room for another viewer");
-    if (const std::string why = handler_.mayEnter(); !why.empty()) return refuse(wsi, 503, why);
+    const Bearer bearer = bearerOf(wsi);
+    if (bearer == Bearer::wrong || bearer == Bearer::locked) return refuseBearer(wsi, bearer);
+    if (auto link = links_.find(wsi); link != links_.end() && link->second.reserved)
+        return refuse(wsi, 503, "too many connections", RETRY_SECONDS);
+    if (const std::string why = noRoom(); !why.empty()) return refuse(wsi, 503, why, RETRY_SECONDS);
+    if (bearer == Bearer::right) authorized_.insert(wsi);
     return 0;
+}
+
+/// Empty where another viewer finds room.
+std::string SocketLoop::noRoom() {
+    if (handler_.ending()) return "the server ends";
+    if (viewerCount() >= options_.maxViewers) return "no room for another viewer";
+    return handler_.mayEnter();
+}
+
+/// Guests are none yet.
+size_t SocketLoop::viewerCount() const {
+    return static_cast<size_t>(std::ranges::count_if(viewers_, [](const auto& v) { return !v.second.guest; }));
 }
 
 int SocketLoop::viewer(lws* wsi, lws_callback_reasons reason, std::string_view in) {
@@ -63,18 +75,62 @@ int SocketLoop::viewer(lws* wsi, lws_callback_reasons reason, std::string_view i
     auto found = viewers_.find(wsi);
     if (found == viewers_.end()) return 0;
     std::shared_ptr<Connection> connection = found->second.connection;
+    Viewer& viewer = found->second;
     switch (reason) {
         case LWS_CALLBACK_SERVER_WRITEABLE: return write(wsi, *connection);
-        case LWS_CALLBACK_RECEIVE: return receive(wsi, *connection, in);
-        case LWS_CALLBACK_CLOSED: forget(wsi); return 0;
+        case LWS_CALLBACK_RECEIVE: return receive(wsi, viewer, in);
+        case LWS_CALLBACK_CLOSED: leave(wsi); return 0;
         default: return 0;
     }
 }
 
 void SocketLoop::open(lws* wsi) {
+    const bool authorized = authorized_.erase(wsi) > 0, guest = !options_.token.empty() && !authorized;
+    if (guest) makeRoomForGuest();
+    const auto now = Clock::now();
     auto connection = std::make_shared<Connection>([waker = waker_] { (*waker)(); });
-    viewers_.emplace(wsi, Viewer{connection, WriteWatch(std::chrono::steady_clock::now()), {}});
-    connection->peer = handler_.opened(connection, authorized_.erase(wsi) > 0);
+    Viewer& viewer = viewers_.emplace(wsi, Viewer{connection, WriteWatch(now), {}, nullptr, now, {}}).first->second;
+    if (!guest) return enter(viewer, authorized);
+    viewer.guest = std::make_shared<Guest>();
+    connection->peer = viewer.guest;
+}
+
+/// From now on there is a session.
+void SocketLoop::enter(Viewer& viewer, bool authorized) {
+    viewer.guest.reset();
+    viewer.connection->peer = handler_.opened(viewer.connection, authorized);
+}
+
+/// The token came as the first message, or something else did.
+void SocketLoop::takeToken(lws* wsi, Viewer& viewer) {
+    if (viewer.wrongToken || viewer.connection->closeAsked()) return;
+    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
+    std::string token;
+    try {
+        if (viewer.guest->said->size() > 2 * TOKEN_LIMIT)
+            return viewer.connection->close(CloseCode::messageTooBig, "the first message is the token alone");
+        token = std::get<TokenMessage>(parseViewerMessage(*viewer.guest->said)).token;
+    } catch (const std::exception&) {
+        return viewer.connection->close(CloseCode::unauthorized, "the first message has to be the token");
+    }
+    const double now = wallSeconds();
+    if (guard_.lockedFor(address, now) > 0.0)
+        return viewer.connection->close(CloseCode::unauthorized, "too many wrong tokens from this address; wait");
+    if (!sameSecret(token, options_.token)) {
+        wrongToken(address);
+        const auto delay = std::chrono::duration<double>(guard_.wrong(address, now));
+        viewer.wrongToken = Clock::now() + std::chrono::duration_cast<Clock::duration>(delay);
+        return;
+    }
+    guard_.right(address);
+    if (const std::string why = noRoom(); !why.empty()) return viewer.connection->close(CloseCode::tryAgainLater, why);
+    enter(viewer, true);
+}
+
+/// The log tells of it now and then.
+void SocketLoop::wrongToken(const std::string& address) {
+    handler_.refused(401, "wrong token");
+    if (wrongNotes_.take(1.0, wallSeconds())) log().warn("wrong token from {}", address);
 }
 
 int SocketLoop::write(lws* wsi, Connection& connection) {
@@ -94,10 +150,11 @@ int SocketLoop::write(lws* wsi, Connection& connection) {
     return 0;
 }
 
-int SocketLoop::receive(lws* wsi, Connection& connection, std::string_view piece) {
+int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
     lws_validity_confirmed(wsi);  // who speaks need not be pinged
     bool last = lws_is_final_fragment(wsi) && lws_remaining_packet_payload(wsi) == 0;
-    std::optional<CloseCode> fault = connection.receive(piece, lws_frame_is_binary(wsi), last, wallSeconds());
+    std::optional<CloseCode> fault = viewer.connection->receive(piece, lws_frame_is_binary(wsi), last, wallSeconds());
+    if (viewer.guest && viewer.guest->said) takeToken(wsi, viewer);
     if (!fault) return 0;
     const char* reason = *fault == CloseCode::messageTooBig     ? "a message has at most 64 KiB"
                          : *fault == CloseCode::unsupportedData ? "messages are text"
@@ -114,26 +171,41 @@ int SocketLoop::closeWith(lws* wsi, CloseCode code, const std::string& reason) {
 
 void SocketLoop::forget(lws* wsi) {
     answers_.erase(wsi);
+    links_.erase(wsi);
     authorized_.erase(wsi);
+    leave(wsi);
+}
+
+void SocketLoop::leave(lws* wsi) {
     auto found = viewers_.find(wsi);
     if (found == viewers_.end()) return;
     std::shared_ptr<Connection> connection = std::move(found->second.connection);
+    const bool guest = found->second.guest != nullptr;
     viewers_.erase(found);
     connection->disconnect();
-    if (connection->peer) handler_.closed(std::exchange(connection->peer, nullptr), connection->closedWith);
+    if (connection->peer && !guest) handler_.closed(std::exchange(connection->peer, nullptr), connection->closedWith);
 }
 
 /// Looks at the time limits of all viewers, and comes again.
 void SocketLoop::sweep() {
     for (auto& [wsi, viewer] : viewers_) {
+        if (viewer.guest) sweepGuest(viewer);
         if (inTime(wsi, viewer)) continue;
         // A close frame would wait behind what is not taken, so the connection is cut.
         viewer.connection->closedWith = CloseCode::stalled;
         lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
     }
+    sweepLinks();
     timer_.loop = this;
     const auto again = [](lws_sorted_usec_list_t* entry) { reinterpret_cast<Timer*>(entry)->loop->sweep(); };
     lws_sul_schedule(context_, 0, &timer_.entry, again, SWEEP.count());
+}
+
+void SocketLoop::sweepGuest(Viewer& viewer) {
+    const auto now = Clock::now();
+    if (viewer.wrongToken && now >= *viewer.wrongToken) viewer.connection->close(CloseCode::unauthorized, "wrong token");
+    if (now - viewer.since > options_.times.token)
+        viewer.connection->close(CloseCode::unauthorized, "no token within 5 seconds");
 }
 
 bool SocketLoop::inTime(lws* wsi, Viewer& viewer) {

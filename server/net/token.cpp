@@ -1,7 +1,12 @@
 #include "server/net/token.h"
 
 #include "server/base/error.h"
+#include "server/net/limits.h"
 
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 namespace heliograph {
@@ -21,6 +26,12 @@ std::string readTokenFile(const std::string& path) {
     return token;
 }
 
+std::string readableByAll(const std::string& path) {
+    struct stat found {};
+    if (::stat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode) || !(found.st_mode & S_IROTH)) return {};
+    return path + ": everybody on this machine can read it (chmod o-r)";
+}
+
 bool sameSecret(std::string_view given, std::string_view secret) {
     if (secret.empty()) return false;
     unsigned difference = given.size() == secret.size() ? 0u : 1u;
@@ -28,6 +39,28 @@ bool sameSecret(std::string_view given, std::string_view secret) {
         difference |= static_cast<unsigned char>(given[i]) ^ static_cast<unsigned char>(secret[i % secret.size()]);
     }
     return difference == 0;
+}
+
+double TokenGuard::lockedFor(const std::string& address, double now) const {
+    auto found = addresses_.find(address);
+    return found == addresses_.end() ? 0.0 : std::max(0.0, found->second.lockedUntil - now);
+}
+
+double TokenGuard::wrong(const std::string& address, double now) {
+    constexpr size_t MOST_ADDRESSES = 4096;  // then the one that was quiet longest is forgotten
+    constexpr double DELAY = 0.1;            // seconds, times the guesses so far
+    const auto quiet = static_cast<double>(GUESS_MEMORY.count());
+    std::erase_if(addresses_, [&](const auto& a) { return now - a.second.last > quiet && a.second.lockedUntil <= now; });
+    if (!addresses_.contains(address) && addresses_.size() >= MOST_ADDRESSES)
+        addresses_.erase(std::ranges::min_element(addresses_, {}, [](const auto& a) { return a.second.last; }));
+    Guesses& guesses = addresses_[address];
+    guesses.count++;
+    guesses.last = now;
+    if (guesses.count > FREE_GUESSES) {
+        const double wait = std::ldexp(1.0, std::min(guesses.count - FREE_GUESSES - 1, 16));
+        guesses.lockedUntil = now + std::min(wait, static_cast<double>(LONGEST_LOCKOUT.count()));
+    }
+    return DELAY * std::min(guesses.count, FREE_GUESSES);
 }
 
 }  // namespace heliograph

@@ -10,8 +10,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
 #include <atomic>
 #include <mutex>
 #include <thread>
@@ -26,6 +24,8 @@ using test::WebClient;
 using testing::HasSubstr;
 
 const std::string OURS = "Sec-WebSocket-Protocol: heliograph.v1\r\n";
+const std::string TOKEN = "0123456789abcdef";
+const std::string BEARER = "Authorization: Bearer " + TOKEN + "\r\n";
 
 /// Sends back what comes; "big N" sends a picture of N bytes.
 class Peer : public ViewerPeer {
@@ -85,6 +85,12 @@ struct Server {
     SocketServer server;
 };
 
+std::vector<std::unique_ptr<WebClient>> clients(int port, int count, const char* from = nullptr) {
+    std::vector<std::unique_ptr<WebClient>> all;
+    for (int i = 0; i < count; i++) all.push_back(std::make_unique<WebClient>(port, from));
+    return all;
+}
+
 TEST(SocketLimits, AViewerThatStopsReadingButSendsIsCut) {
     SocketOptions quick = options();
     quick.times.write = 300ms;
@@ -110,10 +116,130 @@ TEST(SocketLimits, AViewerThatIsToldToGoButDoesNotReadIsCut) {
     WebClient zombie(s.port(), nullptr, 4096);
     ASSERT_EQ(zombie.upgrade(OURS).status, 101);
     zombie.sendText("big 60000000");
-    ASSERT_TRUE(until([&] { return s.handler.opens == 1; }));
+    EXPECT_FALSE(zombie.untilClosed());  // the picture has begun
     s.handler.sockets.front()->close(CloseCode::stalled, "nothing acknowledged");
     EXPECT_TRUE(until([&] { return s.handler.closes == 1; }));
     EXPECT_EQ(s.handler.lastCode, 4008);
+}
+
+TEST(SocketLimits, SilentConnectionsDoNotStopHttp) {
+    SocketOptions small = options();
+    small.spareConnections = 30;
+    small.spareConnectionsPerAddress = 20;
+    Server s(small);
+    const auto silent = clients(s.port(), 100), elsewhere = clients(s.port(), 100, "127.0.0.2");
+    auto half = clients(s.port(), 50, "127.0.0.3"), kept = clients(s.port(), 50, "127.0.0.4");
+    for (auto& c : half) c->send("GET / HTTP/1.1\r\nHost: localhost\r\nX-a: ");
+    for (auto& c : kept) c->send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    auto upgrades = clients(s.port(), 50, "127.0.0.5");
+    for (auto& c : upgrades) c->send("GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n");
+    EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200);
+    EXPECT_EQ(WebClient(s.port(), "127.0.0.9").get("/").status, 200);
+    WebClient viewer(s.port());
+    EXPECT_EQ(viewer.upgrade(OURS).status, 101);
+}
+
+TEST(SocketLimits, ViewersDoNotGiveWayAndHealthIsToldBeyondTheLimit) {
+    SocketOptions small = options();
+    small.spareConnections = 0;
+    Server s(small);
+    auto viewers = clients(s.port(), 4);
+    for (auto& viewer : viewers) ASSERT_EQ(viewer->upgrade(OURS).status, 101);
+    EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200);
+    EXPECT_EQ(WebClient(s.port()).get("/metrics").status, 200);
+    const HttpAnswer page = WebClient(s.port()).get("/");
+    EXPECT_EQ(page.status, 503);
+    EXPECT_EQ(page.header("retry-after"), "2");
+    for (auto& viewer : viewers) {
+        viewer->sendText("still here");
+        EXPECT_EQ(viewer->receive()->bytes, "still here");
+    }
+}
+
+TEST(SocketLimits, AFileThatIsNotReadIsNotKept) {
+    SocketOptions quick = options();
+    quick.times.write = 300ms;
+    Server s(quick);
+    WebClient slow(s.port(), nullptr, 4096);
+    slow.send("GET /big.js HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    std::this_thread::sleep_for(2s);
+    EXPECT_LT(slow.readAnswer().body.size(), size_t{12} << 20);  // it was cut in the middle
+}
+
+TEST(SocketLimits, GuestsHaveAPoolOfTheirOwn) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    guarded.maxGuests = 8;
+    Server s(guarded);
+    auto squatters = clients(s.port(), 20, "127.0.0.2");
+    WebClient honest(s.port(), "127.0.0.3");
+    EXPECT_EQ(honest.upgrade(OURS).status, 101);
+    for (auto& squatter : squatters) EXPECT_EQ(squatter->upgrade(OURS).status, 101);
+    EXPECT_EQ(squatters.front()->receive()->closeCode(), 1013);  // the oldest of the many
+    EXPECT_EQ(s.handler.opens, 0) << "a session before the token";
+    WebClient holder(s.port());
+    EXPECT_EQ(holder.upgrade(OURS + BEARER).status, 101);
+    honest.sendText("{\"type\":\"token\",\"token\":\"" + TOKEN + "\"}");
+    EXPECT_TRUE(until([&] { return s.handler.opens == 2; }));
+}
+
+TEST(SocketLimits, AGuestSaysTheTokenInTimeAndNothingElse) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    guarded.times.token = 200ms;
+    Server s(guarded);
+    auto after = [&](const std::string& text) {
+        WebClient guest(s.port());
+        EXPECT_EQ(guest.upgrade(OURS).status, 101);
+        if (!text.empty()) guest.sendText(text);
+        return guest.receive()->closeCode();
+    };
+    EXPECT_EQ(after(""), 4001);
+    EXPECT_EQ(after("{\"type\":\"ping\",\"time\":1}"), 4001);
+    EXPECT_EQ(after("{"), 4001);
+    EXPECT_EQ(after("{\"type\":\"token\",\"token\":\"wrong\"}"), 4001);
+    EXPECT_EQ(after(std::string(10000, ' ')), 1009);
+    EXPECT_EQ(s.handler.opens, 0);
+}
+
+TEST(SocketLimits, GuessingLocksTheAddressOut) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    Server s(guarded);
+    std::vector<std::jthread> guessers;  // side by side, as an attacker would: each answer alone comes late
+    std::atomic<int> wrong{0}, locked{0};
+    for (int t = 0; t < 30; t++) {
+        guessers.emplace_back([&] {
+            const HttpAnswer answer = WebClient(s.port(), "127.0.0.2").get("/metrics", "Authorization: Bearer guess\r\n");
+            if (answer.status == 401 && answer.header("www-authenticate") == "Bearer realm=\"heliograph\"") wrong++;
+            if (answer.status == 429 && !answer.header("retry-after").empty()) locked++;
+        });
+    }
+    guessers.clear();
+    EXPECT_EQ(wrong + locked, 30);
+    EXPECT_GE(wrong, FREE_GUESSES);
+    EXPECT_GE(locked, 1);
+    // As long as it lasts the right token does not pass either, else guessing would go on.
+    for (int i = 0; i < 4; i++) WebClient(s.port(), "127.0.0.2").get("/metrics", "Authorization: Bearer guess\r\n");
+    EXPECT_EQ(WebClient(s.port(), "127.0.0.2").upgrade(OURS + BEARER).status, 429);
+    EXPECT_EQ(WebClient(s.port(), "127.0.0.3").get("/metrics", BEARER).status, 200);  // others are not touched
+}
+
+TEST(SocketLimits, EveryRequestNamesUsRightly) {
+    Server s;
+    for (const char* path : {"/", "/healthz", "/metrics"}) {
+        WebClient client(s.port());
+        client.send("GET " + std::string(path) + " HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+        const HttpAnswer answer = client.readAnswer();
+        EXPECT_EQ(answer.status, 421) << path;
+        EXPECT_EQ(answer.header("x-content-type-options"), "nosniff");
+    }
+    SocketOptions known = options();
+    known.allowedOrigins = {"https://render.example:444"};
+    Server t(known);
+    WebClient client(t.port());
+    client.send("GET / HTTP/1.1\r\nHost: Render.Example\r\n\r\n");
+    EXPECT_EQ(client.readAnswer().status, 200);
 }
 
 }  // namespace

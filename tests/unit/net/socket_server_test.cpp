@@ -224,8 +224,9 @@ TEST(SocketServer, KnowsTheBearerOfTheToken) {
     EXPECT_TRUE(s.handler.authorized);
     WebClient without(s.port());  // may still say it as its first message
     EXPECT_EQ(without.upgrade(OURS).status, 101);
+    without.sendText(R"({"type":"token","token":"0123456789abcdef"})");
     ASSERT_TRUE(s.handler.untilOpen(2));
-    EXPECT_FALSE(s.handler.authorized);
+    EXPECT_TRUE(s.handler.authorized);
     EXPECT_EQ(WebClient(s.port()).get("/metrics").status, 401);
     EXPECT_EQ(WebClient(s.port()).get("/metrics", "Authorization: Bearer 0123456789abcdef\r\n").status, 200);
 }

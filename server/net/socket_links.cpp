@@ -1,0 +1,92 @@
+// How the socket loop keeps connections from taking more than they should: how many, whose, and for how long.
+
+#include "server/base/log.h"
+#include "server/net/socket_loop.h"
+
+#include <algorithm>
+
+namespace heliograph {
+
+namespace {
+
+std::string addressOf(int descriptor) {
+    char text[64] = "";
+    return lws_get_peer_simple_fd(descriptor, text, sizeof text) ? text : "";
+}
+
+double secondsOf(std::chrono::steady_clock::time_point time) {
+    return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+}  // namespace
+
+/// Someone wants to connect: false turns it away. Where there is no room, an idle connection gives way.
+bool SocketLoop::connects(int descriptor) {
+    const std::string address = addressOf(descriptor);
+    const auto stays = [](const auto& link) { return !link.second.leaving; };
+    const auto ofAddress = [&](const auto& link) { return stays(link) && link.second.address == address; };
+    const auto all = static_cast<size_t>(std::ranges::count_if(links_, stays));
+    const auto ours = static_cast<size_t>(std::ranges::count_if(links_, ofAddress));
+    const size_t most = options_.maxViewers + options_.spareConnections;
+    const bool manyOfAddress = ours >= options_.maxViewers + options_.spareConnectionsPerAddress;
+    reserveNext_ = false;
+    if (!manyOfAddress && all < most) return true;
+    if (auto victim = whoGivesWay(waiting(false), manyOfAddress ? address : "")) {
+        auto* wsi = reinterpret_cast<lws*>(*victim);
+        Link& link = links_.at(wsi);
+        link.leaving = true;
+        reserveNext_ = link.reserved;
+        lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+        return true;
+    }
+    reserveNext_ = true;
+    if (all < most + RESERVED_CONNECTIONS) return true;
+    handler_.refused(503, "too many connections");
+    return false;
+}
+
+void SocketLoop::connected(lws* wsi) {
+    const auto now = Clock::now();
+    links_.insert_or_assign(wsi, Link{addressOf(lws_get_socket_fd(wsi)), now, WriteWatch(now), reserveNext_, false});
+}
+
+/// Connections that no viewer looks through: those on HTTP, or the guests.
+std::vector<Waiting> SocketLoop::waiting(bool guests) const {
+    std::vector<Waiting> all;
+    for (const auto& [wsi, link] : links_) {
+        if (link.leaving) continue;
+        const auto viewer = viewers_.find(wsi);
+        const bool isGuest = viewer != viewers_.end() && viewer->second.guest && !viewer->second.connection->closeAsked();
+        if (guests ? !isGuest : viewer != viewers_.end()) continue;
+        all.push_back({reinterpret_cast<uintptr_t>(wsi), link.address, answers_.contains(wsi), secondsOf(link.since)});
+    }
+    return all;
+}
+
+void SocketLoop::makeRoomForGuest() {
+    const std::vector<Waiting> guests = waiting(true);
+    if (guests.size() < options_.maxGuests) return;
+    if (auto leaving = whichGuestLeaves(guests)) {
+        viewers_.at(reinterpret_cast<lws*>(*leaving))
+            .connection->close(CloseCode::tryAgainLater, "gave way to a newer connection; say the token sooner");
+    }
+}
+
+/// Lets go of who does not take the answer it asked for.
+void SocketLoop::sweepLinks() {
+    const auto now = Clock::now();
+    for (auto& [wsi, link] : links_) {
+        if (viewers_.contains(wsi) || link.leaving) continue;
+        const bool waits = answers_.contains(wsi) || lws_partial_buffered(wsi);
+        const int descriptor = lws_get_socket_fd(wsi);
+        if (!waits || descriptor < 0) {
+            link.writes = WriteWatch(now);
+            continue;
+        }
+        if (!link.writes.stalled(now, waits, acknowledgedBytes(descriptor), options_.times.write)) continue;
+        link.leaving = true;
+        lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+    }
+}
+
+}  // namespace heliograph
