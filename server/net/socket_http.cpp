@@ -4,6 +4,8 @@
 #include "server/base/log.h"
 #include "server/net/socket_loop.h"
 
+#include <strings.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -138,7 +140,7 @@ SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi) {
     // As long as it lasts the right token does not pass either, else guessing would go on.
     if (guard_.lockedFor(address, now) > 0.0) return Bearer::locked;
     const std::string authorization = headerOf(wsi, WSI_TOKEN_HTTP_AUTHORIZATION);
-    if (authorization.starts_with(scheme) &&
+    if (strncasecmp(authorization.c_str(), scheme.data(), scheme.size()) == 0 &&
         sameSecret(std::string_view(authorization).substr(scheme.size()), options_.token)) {
         guard_.right(address);
         return Bearer::right;

@@ -1,6 +1,7 @@
 // How the socket loop keeps connections from taking more than they should: how many, whose, and for how long.
 
 #include "server/base/log.h"
+#include "server/net/descriptors.h"
 #include "server/net/socket_loop.h"
 
 #include <algorithm>
@@ -20,6 +21,34 @@ double secondsOf(std::chrono::steady_clock::time_point time) {
 
 }  // namespace
 
+void SocketLoop::checkDescriptors() {
+    constexpr size_t OTHERS = 64;  // files, devices, pipes
+    const size_t connections = options_.maxViewers + options_.spareConnections, more = RESERVED_CONNECTIONS + OTHERS;
+    const size_t limit = raiseDescriptorLimit(connections + more);
+    room_ = std::min(connections, limit > 2 * more ? limit - more : limit / 2);
+    if (room_ == connections) return;
+    log().warn("{} descriptors are allowed (ulimit -n), {} wanted: room for {} connections", limit, connections + more, room_);
+}
+
+/// Without descriptors the listening socket stays readable and every turn of the loop would try in vain: then it is not looked
+/// at for a while.
+void SocketLoop::pauseListening() {
+    constexpr auto PAUSE = std::chrono::seconds(1);
+    quietTurns_ = 0;
+    if (!listener_ || listensAgain_ || !outOfDescriptors()) return;
+    lws_rx_flow_control(listener_, 0);
+    listensAgain_ = Clock::now() + PAUSE;
+    if (std::exchange(pauseSaid_, true)) return;
+    log().error("no connection can be accepted for now: no descriptors are left; {} connections are open (ulimit -n)",
+                links_.size());
+}
+
+void SocketLoop::listenAgain() {
+    if (!listensAgain_ || Clock::now() < *listensAgain_) return;
+    listensAgain_.reset();
+    lws_rx_flow_control(listener_, 1);
+}
+
 /// Someone wants to connect: false turns it away. Where there is no room, an idle connection gives way.
 bool SocketLoop::connects(int descriptor) {
     const std::string address = addressOf(descriptor);
@@ -27,7 +56,7 @@ bool SocketLoop::connects(int descriptor) {
     const auto ofAddress = [&](const auto& link) { return stays(link) && link.second.address == address; };
     const auto all = static_cast<size_t>(std::ranges::count_if(links_, stays));
     const auto ours = static_cast<size_t>(std::ranges::count_if(links_, ofAddress));
-    const size_t most = options_.maxViewers + options_.spareConnections;
+    const size_t most = std::min(options_.maxViewers + options_.spareConnections, room_);
     const bool manyOfAddress = ours >= options_.maxViewers + options_.spareConnectionsPerAddress;
     reserveNext_ = false;
     if (!manyOfAddress && all < most) return true;
@@ -46,6 +75,7 @@ bool SocketLoop::connects(int descriptor) {
 }
 
 void SocketLoop::connected(lws* wsi) {
+    pauseSaid_ = false;
     const auto now = Clock::now();
     links_.insert_or_assign(wsi, Link{addressOf(lws_get_socket_fd(wsi)), now, WriteWatch(now), reserveNext_, false});
 }

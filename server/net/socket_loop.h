@@ -123,6 +123,9 @@ private:
     bool inTime(lws* wsi, Viewer& viewer);
     void sweepGuest(Viewer& viewer);
     void sweepLinks();
+    void checkDescriptors();
+    void pauseListening();
+    void listenAgain();
     int receive(lws* wsi, Viewer& viewer, std::string_view piece);
     int closeWith(lws* wsi, CloseCode code, const std::string& reason);
     void leave(lws* wsi);
@@ -136,6 +139,11 @@ private:
     std::map<lws*, Answer> answers_;
     std::map<lws*, Viewer> viewers_;  // guests among them
     std::map<lws*, Link> links_;
+    size_t room_ = 0;                                // connections that descriptors suffice for
+    lws* listener_ = nullptr;                        // known from the first connection on
+    std::optional<Clock::time_point> listensAgain_;  // nothing is accepted until then
+    bool pauseSaid_ = false;
+    int quietTurns_ = 0;  // of the loop, in a row
     TokenGuard guard_;
     bool reserveNext_ = false;        // the connection that is being taken is beyond the limit
     RateLimit wrongNotes_{1.0, 5.0};  // lines of the log

@@ -19,6 +19,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
+constexpr int QUIET_TURNS = 32;    // of the loop in a row, in which nothing happened: is it out of descriptors?
 constexpr unsigned LEAVING = 128;  // connections that gave way and are not gone yet
 constexpr auto GOODBYE = 150ms;    // for close frames when the server ends
 
@@ -60,6 +61,7 @@ SocketLoop::SocketLoop(SocketOptions options, SocketHandler& handler)
     for (const std::string& file : {options_.certificateFile, options_.keyFile}) {
         if (!file.empty() && !std::ifstream(file)) throw InputError(file, "cannot be read", "a PEM file");
     }
+    checkDescriptors();
     createContext();
     waker_->context = context_;
 }
@@ -153,7 +155,10 @@ void SocketLoop::takeReload() {
 void SocketLoop::serve() {
     auto over = [&] { return stopping_ && (viewers_.empty() || std::chrono::steady_clock::now() > deadline_); };
     sweep();
-    while (!over()) lws_service(context_, 0);
+    while (!over()) {
+        lws_service(context_, 0);
+        if (++quietTurns_ > QUIET_TURNS) pauseListening();
+    }
     lws_sul_cancel(&timer_.entry);
     ended_ = true;
 }
@@ -176,6 +181,8 @@ int SocketLoop::callback(lws* wsi, lws_callback_reasons reason, void* user, void
     if (server && reason == LWS_CALLBACK_OPENSSL_LOAD_EXTRA_SERVER_VERIFY_CERTS)
         server->tlsContext_ = static_cast<SSL_CTX*>(user);
     if (!server || !protocol) return 0;
+    server->quietTurns_ = 0;
+    if (reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION) server->listener_ = wsi;
     // Here the library passes a descriptor in the place of a pointer.
     if (reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION)
         return server->connects(static_cast<int>(reinterpret_cast<intptr_t>(in))) ? 0 : -1;

@@ -196,6 +196,7 @@ void SocketLoop::sweep() {
         lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
     }
     sweepLinks();
+    listenAgain();
     timer_.loop = this;
     const auto again = [](lws_sorted_usec_list_t* entry) { reinterpret_cast<Timer*>(entry)->loop->sweep(); };
     lws_sul_schedule(context_, 0, &timer_.entry, again, SWEEP.count());

@@ -4,13 +4,18 @@
 #include "server/net/socket_server.h"
 
 #include "server/base/error.h"
+#include "server/net/descriptors.h"
 #include "tests/support/until.h"
 #include "tests/support/web_client.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <atomic>
+#include <ctime>
 #include <mutex>
 #include <thread>
 
@@ -240,6 +245,43 @@ TEST(SocketLimits, EveryRequestNamesUsRightly) {
     WebClient client(t.port());
     client.send("GET / HTTP/1.1\r\nHost: Render.Example\r\n\r\n");
     EXPECT_EQ(client.readAnswer().status, 200);
+}
+
+TEST(SocketLimits, OutOfDescriptorsItWaitsAndGoesOn) {
+    Server s;
+    WebClient viewer(s.port());
+    ASSERT_EQ(viewer.upgrade(OURS).status, 101);
+    // A client whose socket is made before the descriptors are out waits in the listen queue.
+    auto waiting = std::make_unique<WebClient>(s.port());
+    EXPECT_EQ(waiting->get("/healthz").status, 200);
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    const int next = dup(0);
+    ASSERT_GE(next, 0);
+    ::close(next);
+    rlimit none = before;
+    none.rlim_cur = static_cast<rlim_t>(next) + 1;
+    setrlimit(RLIMIT_NOFILE, &none);
+    WebClient late(s.port());  // takes the last descriptor of this process, so that the server has none for it
+    late.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    const std::clock_t begun = std::clock();
+    std::this_thread::sleep_for(1s);
+    EXPECT_LT(std::clock() - begun, CLOCKS_PER_SEC / 2) << "processor time: it tries again and again";
+    viewer.sendText("in between");
+    EXPECT_EQ(viewer.receive()->bytes, "in between");
+    setrlimit(RLIMIT_NOFILE, &before);
+    EXPECT_EQ(late.readAnswer().status, 200);
+}
+
+TEST(Descriptors, TheSoftLimitIsRaisedWhereTheHardOneLetsIt) {
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    rlimit low = before;
+    low.rlim_cur = 64;
+    setrlimit(RLIMIT_NOFILE, &low);
+    EXPECT_EQ(raiseDescriptorLimit(200), 200u);
+    EXPECT_EQ(raiseDescriptorLimit(100), 200u) << "it is never lowered";
+    setrlimit(RLIMIT_NOFILE, &before);
 }
 
 }  // namespace

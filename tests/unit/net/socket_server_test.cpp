@@ -227,6 +227,7 @@ TEST(SocketServer, KnowsTheBearerOfTheToken) {
     without.sendText(R"({"type":"token","token":"0123456789abcdef"})");
     ASSERT_TRUE(s.handler.untilOpen(2));
     EXPECT_TRUE(s.handler.authorized);
+    EXPECT_EQ(WebClient(s.port()).get("/metrics", "Authorization: bearer 0123456789abcdef\r\n").status, 200);
     EXPECT_EQ(WebClient(s.port()).get("/metrics").status, 401);
     EXPECT_EQ(WebClient(s.port()).get("/metrics", "Authorization: Bearer 0123456789abcdef\r\n").status, 200);
 }
