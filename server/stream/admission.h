@@ -9,8 +9,10 @@ namespace heliograph {
 
 /// What a viewer inside has used of the device lately.
 struct ViewerLoad {
-    double secondsPerFrame = 0.0;  // device time of its last frames' first passes; 0: none yet
-    bool active = false;           // it had a frame within the last seconds
+    double secondsPerFrame =
+        0.0;              // that a frame of it takes from all: device time of a first pass, and its part of the processors
+                          // for making the picture; 0: it had none yet
+    bool active = false;  // it had a frame within the last seconds, or waits for its first
 };
 
 /// This many are always let in: so few say little of what a frame costs here, and cannot keep others out by dear settings.

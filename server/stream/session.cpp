@@ -379,8 +379,10 @@ void Session::tick(Clock::time_point now) {
 
 ViewerLoad Session::load(Clock::time_point now) const {
     constexpr auto RECENT = 5s;
+    static const uint32_t processors = usableProcessors();
     std::lock_guard lock(mutex_);
-    return {secondsPerFrame_, secondsPerFrame_ > 0.0 && now - frameAt_ < RECENT};
+    if (secondsPerFrame_ <= 0.0) return {0.0, request_.resolution.x > 0 || now - opened_ < RECENT};
+    return {secondsPerFrame_ + viewer_.pictureSeconds() / processors, now - frameAt_ < RECENT};
 }
 
 void Session::notice(const std::string& what) {

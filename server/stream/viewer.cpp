@@ -78,6 +78,11 @@ void Viewer::encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const 
     listener_.drained();
 }
 
+double Viewer::pictureSeconds() const {
+    std::lock_guard lock(mutex_);
+    return pictureSeconds_;
+}
+
 /// With the lock held.
 void Viewer::send(EncodedFrame&& frame) {
     if (frame.order) {
@@ -86,6 +91,7 @@ void Viewer::send(EncodedFrame&& frame) {
         metrics_.picturesSent++;
     } else {
         stats_.frameSent(frame);
+        pictureSeconds_ = pictureSeconds_ > 0.0 ? 0.8 * pictureSeconds_ + 0.2 * frame.coreSeconds : frame.coreSeconds;
         metrics_.framesSent++;
         metrics_.frameBytesSent += frame.picture.bytes.size() - SOCKET_HEADROOM;
         metrics_.stages[Metrics::input].add(1e-6 * frame.header.inputMicros);

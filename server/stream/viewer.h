@@ -57,6 +57,8 @@ public:
     ViewerStats takeStats(double seconds, Turns::Used used);
     /// Ends after the frame in work and waits for that. After it the listener is not called any more.
     void finish() { encoder_.finish(); }
+    /// Processor time in which a picture is developed and encoded; 0 while none was.
+    double pictureSeconds() const;
 
 private:
     struct Flight {
@@ -80,6 +82,7 @@ private:
     uint32_t lastPicture_ = 0;
     bool pictureAwaited_ = false;  // lastPicture_ was asked for and is not yet sent
     StatsWindow stats_;
+    double pictureSeconds_ = 0.0;  // smoothed
 
     EncodeThread encoder_;  // ends first
 };

@@ -26,6 +26,14 @@ TEST(Admission, WhoIsAtRestTakesNoPart) {
     EXPECT_TRUE(retryAfter(inside, 10.1));
 }
 
+// A crowd that comes at once: those who wait for their first frame will want as much as the others.
+TEST(Admission, WhoWaitsForAFirstFrameTakesPart) {
+    std::vector<ViewerLoad> inside = viewers(9, 0.01);
+    inside.resize(99, {0.0, true});
+    EXPECT_DOUBLE_EQ(expectedRate(inside), 1.0);
+    EXPECT_TRUE(retryAfter(inside, 1.1));
+}
+
 TEST(Admission, WithoutALeastRateEverybodyIsLetIn) { EXPECT_FALSE(retryAfter(viewers(500, 3.0), 0.0)); }
 
 TEST(Admission, AFewWithDearSettingsKeepNobodyOut) {

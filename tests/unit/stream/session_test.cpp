@@ -296,6 +296,19 @@ TEST(Session, OffersAndTakesOnlyDevicesThatAreHere) {
     EXPECT_EQ(line.socket->last("settings")["values"]["samples"], 1) << "the refused message changed something";
 }
 
+TEST(Session, TellsWhatItTakesFromTheOthers) {
+    Line line;
+    line.session->begin();
+    const auto now = std::chrono::steady_clock::now();
+    EXPECT_TRUE(line.session->load(now).active) << "it has just come and will want a frame";
+    EXPECT_FALSE(line.session->load(now + std::chrono::minutes(1)).active) << "it has not asked for one";
+    line.size(80, 48);
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    const ViewerLoad load = line.session->load(std::chrono::steady_clock::now());
+    EXPECT_TRUE(load.active);
+    EXPECT_GT(load.secondsPerFrame, 0.0);
+}
+
 TEST(Session, AFrameIsPrecededByItsPartitionWhereThatIsAskedFor) {
     Line line;
     line.session->begin();
