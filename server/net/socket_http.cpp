@@ -164,6 +164,7 @@ bool SocketLoop::namesUs(lws* wsi) const {
 /// Answers at once with what stands against it; the connection ends then.
 int SocketLoop::refuse(lws* wsi, unsigned status, const std::string& why, double retryAfter) {
     handler_.refused(status, why);
+    note(wsi, "refused: " + std::to_string(status) + " " + why);
     const std::string body = why + "\n";
     const bool head = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
     unsigned char buffer[LWS_PRE + HEADER_BYTES];

@@ -1,5 +1,6 @@
 // How the socket loop keeps connections from taking more than they should: how many, whose, and for how long.
 
+#include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/net/descriptors.h"
 #include "server/net/socket_loop.h"
@@ -26,6 +27,8 @@ void SocketLoop::checkDescriptors() {
     const size_t connections = options_.maxViewers + options_.spareConnections, more = RESERVED_CONNECTIONS + OTHERS;
     const size_t limit = raiseDescriptorLimit(connections + more);
     room_ = std::min(connections, limit > 2 * more ? limit - more : limit / 2);
+    log().info("limits of connections: {} beside {} viewers, {} of one address; {} guests", options_.spareConnections,
+               options_.maxViewers, options_.spareConnectionsPerAddress, options_.maxGuests);
     if (room_ == connections) return;
     log().warn("{} descriptors are allowed (ulimit -n), {} wanted: room for {} connections", limit, connections + more, room_);
 }
@@ -102,8 +105,23 @@ void SocketLoop::makeRoomForGuest() {
     }
 }
 
+/// A line of the access log; of too many a second only the number is told.
+void SocketLoop::note(lws* wsi, const std::string& what, std::optional<CloseCode> code) {
+    if (!notes_.take(1.0, wallSeconds())) {
+        notesLeftOut_++;
+        return;
+    }
+    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
+    nlohmann::ordered_json fields = {{"address", address}};
+    if (code) fields["code"] = static_cast<int>(*code);
+    logWith(LogLevel::info, address + ": " + what + (code ? ", code " + std::to_string(static_cast<int>(*code)) : ""),
+            std::move(fields));
+}
+
 /// Lets go of who does not take the answer it asked for.
 void SocketLoop::sweepLinks() {
+    if (notesLeftOut_ > 0 && notes_.take(1.0, wallSeconds()))
+        log().info("{} more lines about connections left out", std::exchange(notesLeftOut_, 0));
     const auto now = Clock::now();
     for (auto& [wsi, link] : links_) {
         if (viewers_.contains(wsi) || link.leaving) continue;

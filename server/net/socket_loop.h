@@ -116,13 +116,14 @@ private:
     std::vector<Waiting> waiting(bool guests) const;
     void makeRoomForGuest();
     void takeToken(lws* wsi, Viewer& viewer);
-    void enter(Viewer& viewer, bool authorized);
+    void enter(lws* wsi, Viewer& viewer, bool authorized);
     void open(lws* wsi);
     int write(lws* wsi, Connection& connection);
     void sweep();
     bool inTime(lws* wsi, Viewer& viewer);
     void sweepGuest(Viewer& viewer);
     void sweepLinks();
+    void note(lws* wsi, const std::string& what, std::optional<CloseCode> code = std::nullopt);
     void checkDescriptors();
     void pauseListening();
     void listenAgain();
@@ -145,8 +146,9 @@ private:
     bool pauseSaid_ = false;
     int quietTurns_ = 0;  // of the loop, in a row
     TokenGuard guard_;
-    bool reserveNext_ = false;        // the connection that is being taken is beyond the limit
-    RateLimit wrongNotes_{1.0, 5.0};  // lines of the log
+    bool reserveNext_ = false;                             // the connection that is being taken is beyond the limit
+    RateLimit wrongNotes_{1.0, 5.0}, notes_{10.0, 100.0};  // lines of the log
+    uint64_t notesLeftOut_ = 0;
     const std::string machine_;
     std::set<lws*> authorized_;  // between upgrade and open
     Timer timer_;

@@ -90,15 +90,16 @@ void SocketLoop::open(lws* wsi) {
     const auto now = Clock::now();
     auto connection = std::make_shared<Connection>([waker = waker_] { (*waker)(); });
     Viewer& viewer = viewers_.emplace(wsi, Viewer{connection, WriteWatch(now), {}, nullptr, now, {}}).first->second;
-    if (!guest) return enter(viewer, authorized);
+    if (!guest) return enter(wsi, viewer, authorized);
     viewer.guest = std::make_shared<Guest>();
     connection->peer = viewer.guest;
 }
 
 /// From now on there is a session.
-void SocketLoop::enter(Viewer& viewer, bool authorized) {
+void SocketLoop::enter(lws* wsi, Viewer& viewer, bool authorized) {
     viewer.guest.reset();
     viewer.connection->peer = handler_.opened(viewer.connection, authorized);
+    note(wsi, "a viewer came in");
 }
 
 /// The token came as the first message, or something else did.
@@ -124,7 +125,7 @@ void SocketLoop::takeToken(lws* wsi, Viewer& viewer) {
     }
     guard_.right(address);
     if (const std::string why = noRoom(); !why.empty()) return viewer.connection->close(CloseCode::tryAgainLater, why);
-    enter(viewer, true);
+    enter(wsi, viewer, true);
 }
 
 /// The log tells of it now and then.
@@ -171,9 +172,9 @@ int SocketLoop::closeWith(lws* wsi, CloseCode code, const std::string& reason) {
 
 void SocketLoop::forget(lws* wsi) {
     answers_.erase(wsi);
-    links_.erase(wsi);
     authorized_.erase(wsi);
     leave(wsi);
+    links_.erase(wsi);
 }
 
 void SocketLoop::leave(lws* wsi) {
@@ -183,6 +184,8 @@ void SocketLoop::leave(lws* wsi) {
     const bool guest = found->second.guest != nullptr;
     viewers_.erase(found);
     connection->disconnect();
+    const std::string who = guest ? "a guest" : "a viewer";
+    note(wsi, connection->closedWith ? who + " was let go" : who + " left", connection->closedWith);
     if (connection->peer && !guest) handler_.closed(std::exchange(connection->peer, nullptr), connection->closedWith);
 }
 

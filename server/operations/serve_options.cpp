@@ -43,6 +43,10 @@ const OptionRow ROWS[] = {
     {"allow-origin", &O::origins, "URL", "Another origin whose pages may connect, as https://example.org", true, 0, 0,
      checkName},
     {"max-viewers", &O::maxViewers, "N", "Viewers at once", true, 1, 1000},
+    {"max-guests", &O::maxGuests, "N", "Viewers that have not said the token yet; the oldest goes", false, 1, 1000},
+    {"spare-connections", &O::spareConnections, "N",
+     "Connections beside those of viewers, 16 more for health checks; the oldest idle one goes", false, 0, 10000},
+    {"spare-connections-per-address", &O::spareConnectionsPerAddress, "N", "The same of one address", false, 0, 10000},
     {"least-rate", &O::leastRate, "FPS",
      "Frames a second that every viewer shall have: another one is refused (503) when, by the frame\ntimes measured, it would "
      "see fewer. 0 lets everybody in; the first four always come in",

@@ -25,6 +25,9 @@ struct ServeOptions {
     std::string client;
     std::vector<std::string> origins;
     uint64_t maxViewers = MAX_VIEWERS;
+    uint64_t maxGuests = MAX_GUESTS;
+    uint64_t spareConnections = SPARE_CONNECTIONS;
+    uint64_t spareConnectionsPerAddress = SPARE_PER_ADDRESS;
     uint64_t leastRate = 1;                                          // frames a second
     uint64_t mostSamples = 65536, mostRays = 256, mostBounces = 31;  // that viewers may set
     uint64_t filmMemoryMib = 0;                                      // 0: half of what the machine has

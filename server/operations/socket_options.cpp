@@ -36,6 +36,9 @@ SocketOptions socketOptions(const ServeOptions& options) {
     socket.keyFile = options.key;
     socket.allowedOrigins = options.origins;
     socket.maxViewers = options.maxViewers;
+    socket.maxGuests = options.maxGuests;
+    socket.spareConnections = options.spareConnections;
+    socket.spareConnectionsPerAddress = options.spareConnectionsPerAddress;
     return socket;
 }
 

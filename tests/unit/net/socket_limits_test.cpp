@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <ctime>
 #include <mutex>
@@ -271,6 +272,25 @@ TEST(SocketLimits, OutOfDescriptorsItWaitsAndGoesOn) {
     EXPECT_EQ(viewer.receive()->bytes, "in between");
     setrlimit(RLIMIT_NOFILE, &before);
     EXPECT_EQ(late.readAnswer().status, 200);
+}
+
+TEST(SocketLimits, TheLogTellsWhoCameAndWentButNotEachOfAFlood) {
+    testing::internal::CaptureStderr();
+    {
+        Server s;
+        {
+            WebClient viewer(s.port(), "127.0.0.7");
+            ASSERT_EQ(viewer.upgrade(OURS).status, 101);
+            ASSERT_TRUE(until([&] { return s.handler.opens == 1; }));
+        }
+        ASSERT_TRUE(until([&] { return s.handler.closes == 1; }));
+        for (int i = 0; i < 300; i++) WebClient(s.port(), "127.0.0.8").upgrade("");
+    }
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_THAT(text, HasSubstr("127.0.0.7: a viewer came in"));
+    EXPECT_THAT(text, HasSubstr("127.0.0.7: a viewer left"));
+    EXPECT_THAT(text, HasSubstr("127.0.0.8: refused: 400 this server speaks heliograph.v1"));
+    EXPECT_LT(std::ranges::count(text, '\n'), 250);
 }
 
 TEST(Descriptors, TheSoftLimitIsRaisedWhereTheHardOneLetsIt) {
