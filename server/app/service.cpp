@@ -1,5 +1,6 @@
 #include "server/app/service.h"
 
+#include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/film/film_shares.h"
 #include "server/operations/metrics_text.h"
@@ -159,6 +160,9 @@ size_t Service::viewerCount() const {
     return sessions_.size();
 }
 
+/// Of lines about viewers: a flood of them is told to who debugs alone.
+LogLevel Service::lineLevel() { return lines_.take(1.0, wallSeconds()) ? LogLevel::info : LogLevel::debug; }
+
 std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket, bool authorized) {
     std::shared_ptr<Session> session;
     try {
@@ -169,7 +173,7 @@ std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket
             session = std::make_shared<Session>(++lastViewer_, host, socket, std::move(options));
             sessions_.push_back(session);
         }
-        logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": connected", {{"viewer", session->viewer()}});
+        logWith(lineLevel(), "viewer " + std::to_string(session->viewer()) + ": connected", {{"viewer", session->viewer()}});
         session->begin();
         return session;
     } catch (const std::exception& e) {  // no thread or no memory for another one; those inside keep theirs
@@ -185,7 +189,7 @@ void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> 
     session->end();
     const std::string reason = closeReason(code);
     metrics_.closes.add(reason);
-    logWith(LogLevel::info, "viewer " + std::to_string(session->viewer()) + ": gone (" + reason + ")",
+    logWith(lineLevel(), "viewer " + std::to_string(session->viewer()) + ": gone (" + reason + ")",
             {{"viewer", session->viewer()}, {"reason", reason}, {"code", code ? static_cast<int>(*code) : 0}});
     {
         std::lock_guard lock(mutex_);

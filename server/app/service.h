@@ -2,6 +2,8 @@
 // The server put together: scenes, viewers and the port.
 
 #include "server/app/scene_cache.h"
+#include "server/base/log.h"
+#include "server/net/rate_limit.h"
 #include "server/net/socket_server.h"
 #include "server/operations/liveness.h"
 #include "server/operations/readiness.h"
@@ -71,6 +73,7 @@ private:
     void turned() override { socketPart_.beat(); }
 
     std::string tooCrowded() const;
+    LogLevel lineLevel();
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
     void deviceFailed(const std::string& device, const std::string& what);
@@ -89,6 +92,7 @@ private:
     std::map<uint32_t, uint64_t> pixels_;          // granted, by viewer
     ServiceReload current_{options_.socket, options_.defaults, options_.watchdog};
     uint32_t lastViewer_ = 0;
+    RateLimit lines_{10.0, 100.0};          // of the log; the socket's thread alone
     std::shared_ptr<ResidentScene> start_;  // stays in memory, so that a newcomer always sees something at once
     std::string startFailure_;
 

@@ -9,6 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <filesystem>
 #include <latch>
 #include <semaphore>
@@ -330,6 +332,17 @@ TEST(Service, DrainDoesNotWaitForWhoSeesNothing) {
     s.service.drain(std::chrono::seconds(1));
     EXPECT_TRUE(s.service.drained());
     EXPECT_EQ(a.untilText("notice")["text"], "The server ends.");
+}
+
+TEST(Service, AFloodOfViewersDoesNotFillTheLog) {
+    testing::internal::CaptureStderr();
+    {
+        Running s;
+        for (int i = 0; i < 300; i++) test::WebClient(s.service.port()).upgrade(OURS);
+    }
+    const std::string text = testing::internal::GetCapturedStderr();
+    EXPECT_THAT(text, HasSubstr(": connected"));
+    EXPECT_LT(std::ranges::count(text, '\n'), 400);  // 300 came and 300 went, told in two places
 }
 
 }  // namespace
