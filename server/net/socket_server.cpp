@@ -180,7 +180,8 @@ int SocketLoop::callback(lws* wsi, lws_callback_reasons reason, void* user, void
     const lws_protocols* protocol = lws_get_protocol(wsi);
     if (server && reason == LWS_CALLBACK_OPENSSL_LOAD_EXTRA_SERVER_VERIFY_CERTS)
         server->tlsContext_ = static_cast<SSL_CTX*>(user);
-    if (!server || !protocol) return 0;
+    if (server && reason == LWS_CALLBACK_WSI_DESTROY) server->forget(wsi);  // whatever had become of it
+    if (!server || !protocol || reason == LWS_CALLBACK_WSI_DESTROY) return 0;
     server->quietTurns_ = 0;
     if (reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION) server->listener_ = wsi;
     // Here the library passes a descriptor in the place of a pointer.
@@ -190,8 +191,7 @@ int SocketLoop::callback(lws* wsi, lws_callback_reasons reason, void* user, void
     // The library names the protocol to upgrade to as a C string and gives no length.
     if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE && in) bytes = static_cast<const char*>(in);
     try {
-        if (reason == LWS_CALLBACK_WSI_DESTROY) server->forget(wsi);
-        else if (reason == LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED) server->connected(wsi);
+        if (reason == LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED) server->connected(wsi);
         else if (protocol->name == std::string_view(PROTOCOL_NAME)) return server->viewer(wsi, reason, bytes);
         else return server->http(wsi, reason, bytes);
     } catch (const std::exception& e) {

@@ -4,6 +4,7 @@
 #include "server/net/socket_server.h"
 
 #include "server/base/error.h"
+#include "tests/support/web_client.h"
 
 #include <gtest/gtest.h>
 
@@ -194,6 +195,23 @@ TEST(Tls, ReloadShowsTheRenewedCertificate) {
     std::string after = before;
     for (int i = 0; i < 1000 && after == before; i++) after = shownBy(server.port());
     EXPECT_NE(after, before);
+}
+
+TEST(Tls, WhoNeverShakesHandsGivesWay) {
+    Certificate certificate;
+    Sender sender;
+    SocketOptions small = options(certificate);
+    small.maxViewers = 2;
+    small.spareConnections = small.spareConnectionsPerAddress = 6;
+    SocketServer server(small, sender);
+    server.start();
+    std::vector<std::unique_ptr<test::WebClient>> silent;
+    for (int i = 0; i < 60; i++) {
+        silent.push_back(std::make_unique<test::WebClient>(server.port()));
+        if (i % 2) silent.back()->send("GET / HTTP/1.1\r\nHost: localhost\r\n\r\n");  // no TLS
+    }
+    TlsClient client(server.port());
+    EXPECT_TRUE(client.shakeHands());
 }
 
 }  // namespace
