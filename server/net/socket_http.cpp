@@ -38,6 +38,9 @@ bool addHeaders(lws* wsi, unsigned status, const std::string& mimeType, size_t b
                 unsigned char* end) {
     if (lws_add_http_common_headers(wsi, status, mimeType.c_str(), bytes, &at, end)) return false;
     if (status == 401 && !addHeader(wsi, "www-authenticate:", "Bearer realm=\"heliograph\"", at, end)) return false;
+    if (status == 426 &&
+        !(addHeader(wsi, "upgrade:", "websocket", at, end) && addHeader(wsi, "sec-websocket-version:", "13", at, end)))
+        return false;
     if (status == 405 && !addHeader(wsi, "allow:", "GET, HEAD", at, end)) return false;
     const std::string seconds = std::to_string(static_cast<int>(std::ceil(retryAfter)));
     if (retryAfter > 0.0 && !addHeader(wsi, "retry-after:", seconds, at, end)) return false;
@@ -88,6 +91,7 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
         if (!options_.token.empty() && bearer != Bearer::right) return refuseBearer(wsi, bearer);
         return answer(wsi, 200, "text/plain; version=0.0.4", {handler_.metricsText(), {}, 0});
     }
+    if (path == "/ws") return refuse(wsi, 426, "WebSocket is spoken here");
     auto link = links_.find(wsi);
     if (link != links_.end()) link->second.since = Clock::now();
     if (link != links_.end() && link->second.reserved) return refuse(wsi, 503, "too many connections", RETRY_SECONDS);

@@ -33,6 +33,7 @@ int SocketLoop::upgrade(lws* wsi) {
     const bool loopbackOnly = isLoopback(options_.listen.host) && options_.token.empty();
     if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (headerOf(wsi, WSI_TOKEN_GET_URI) != "/ws") return refuse(wsi, 404, "WebSocket is spoken at /ws");
+    if (headerOf(wsi, WSI_TOKEN_VERSION) != "13") return refuse(wsi, 426, "version 13 of the WebSocket is spoken here");
     if (!lists(headerOf(wsi, WSI_TOKEN_PROTOCOL), PROTOCOL_NAME)) {
         return refuse(wsi, 400, std::string("this server speaks ") + PROTOCOL_NAME);
     }

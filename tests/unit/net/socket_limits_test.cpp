@@ -293,6 +293,23 @@ TEST(SocketLimits, TheLogTellsWhoCameAndWentButNotEachOfAFlood) {
     EXPECT_LT(std::ranges::count(text, '\n'), 250);
 }
 
+TEST(SocketLimits, AnotherVersionOfTheWebSocketIsToldWhichOneIsSpoken) {
+    Server s;
+    WebClient old(s.port());
+    old.send(
+        "GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 8\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: heliograph.v1\r\n\r\n");
+    for (const HttpAnswer& answer : {old.readAnswer(), WebClient(s.port()).get("/ws")}) {
+        EXPECT_EQ(answer.status, 426);
+        EXPECT_EQ(answer.header("sec-websocket-version"), "13");
+    }
+    WebClient stranger(s.port());
+    stranger.send(
+        "GET /ws HTTP/1.1\r\nHost: evil.example\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: heliograph.v1\r\n\r\n");
+    EXPECT_EQ(stranger.readAnswer().status, 421);
+}
+
 TEST(Descriptors, TheSoftLimitIsRaisedWhereTheHardOneLetsIt) {
     rlimit before{};
     getrlimit(RLIMIT_NOFILE, &before);
