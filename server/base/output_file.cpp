@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 namespace heliograph {
 
@@ -26,8 +27,9 @@ OutputFile::OutputFile(const std::string& option, const std::string& path) : pat
     if (folder.empty()) folder = ".";
     if (!fs::is_directory(folder, error)) refuse("its folder does not exist");
     direct_ = fs::exists(status) && !fs::is_regular_file(status);
-    if (fs::exists(status) && access(path.c_str(), W_OK) != 0) refuse(std::strerror(errno));
-    if (!direct_ && access(folder.c_str(), W_OK | X_OK) != 0) refuse(std::string("its folder: ") + std::strerror(errno));
+    if (fs::exists(status) && access(path.c_str(), W_OK) != 0) refuse(std::generic_category().message(errno));
+    if (!direct_ && access(folder.c_str(), W_OK | X_OK) != 0)
+        refuse(std::string("its folder: ") + std::generic_category().message(errno));
 }
 
 std::string OutputFile::extension() const {
@@ -40,7 +42,7 @@ std::string OutputFile::extension() const {
 void OutputFile::write(std::span<const uint8_t> bytes) const {
     std::string target = direct_ ? path_ : path_ + ".part";
     auto fail = [&] {
-        std::string reason = std::strerror(errno);
+        std::string reason = std::generic_category().message(errno);
         if (!direct_) std::remove(target.c_str());
         throw std::runtime_error(path_ + ": cannot be written: " + reason);
     };

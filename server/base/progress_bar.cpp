@@ -31,7 +31,8 @@ void ProgressBar::draw(const std::string& what, double share) {
     drawn_ = true;
     auto filled = static_cast<int>(std::clamp(share, 0.0, 1.0) * WIDTH);
     std::string bar(static_cast<size_t>(filled), '#');
-    std::fprintf(stderr, "\r\033[K[%-*s] %3.0f%% %s", WIDTH, bar.c_str(), 100.0 * std::clamp(share, 0.0, 1.0), oneLine(what).c_str());
+    std::fprintf(stderr, "\r\033[K[%-*s] %3.0f%% %s", WIDTH, bar.c_str(), 100.0 * std::clamp(share, 0.0, 1.0),
+                 oneLine(what).c_str());
     std::fflush(stderr);
 }
 

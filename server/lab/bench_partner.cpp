@@ -6,6 +6,7 @@
 #include <istream>
 #include <ostream>
 #include <stdexcept>
+#include <system_error>
 
 #include <spawn.h>
 #include <sys/socket.h>
@@ -26,7 +27,7 @@ constexpr size_t LONGEST_LINE = 1 << 20;  // bytes
 
 BenchPartner::BenchPartner(const std::string& program, const std::vector<std::string>& arguments) : program_(program) {
     int ends[2];
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail(program, std::strerror(errno));
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail(program, std::generic_category().message(errno));
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
     argv.push_back(nullptr);
@@ -40,7 +41,7 @@ BenchPartner::BenchPartner(const std::string& program, const std::vector<std::st
     line_ = ends[0];
     if (error != 0) {
         close(line_);
-        fail(program, std::string("cannot be started: ") + std::strerror(error));
+        fail(program, std::string("cannot be started: ") + std::generic_category().message(error));
     }
     try {
         greeting_ = line();

@@ -12,8 +12,8 @@ using namespace std::chrono_literals;
 
 constexpr auto QUIET = 1s;
 constexpr auto AT_LEAST_EVERY = 10s;
-constexpr int ARENAS = 4;                // as many threads as allocate at once without waiting for each other
-constexpr int KEPT_AT_TOP = 8 << 20;     // bytes at an arena's end that stay for the next allocation
+constexpr int ARENAS = 4;             // as many threads as allocate at once without waiting for each other
+constexpr int KEPT_AT_TOP = 8 << 20;  // bytes at an arena's end that stay for the next allocation
 
 }  // namespace
 
