@@ -11,6 +11,8 @@
 
 #include <algorithm>
 
+#include <deque>
+#include <optional>
 #include <filesystem>
 #include <latch>
 #include <semaphore>
@@ -93,19 +95,35 @@ struct Viewer {
     }
     /// Reads until a frame shows that input.
     FrameHeader untilInput(uint32_t inputId) {
-        while (auto message = client.receive()) {
-            if (message->opcode != 2) continue;
-            FrameHeader header =
-                readFrameHeader({reinterpret_cast<const uint8_t*>(message->bytes.data()), message->bytes.size()});
+        for (;;) {
+            std::optional<FrameHeader> next = nextFrame();
+            if (!next) break;
+            const FrameHeader& header = *next;
             say({{"type", "ack"}, {"frameId", header.frameId}, {"presentedMs", 1.0}});
             if (header.inputId == inputId) return header;
         }
         ADD_FAILURE() << "the connection ended before input " << inputId;
         return {};
     }
+    /// The next frame, or one that came while something else was read; nothing when the connection has ended.
+    std::optional<FrameHeader> nextFrame() {
+        if (!passedBy.empty()) {
+            const FrameHeader header = passedBy.front();
+            passedBy.pop_front();
+            return header;
+        }
+        while (auto message = client.receive()) {
+            if (message->opcode == 2) return headerOf(message->bytes);
+        }
+        return {};
+    }
+    static FrameHeader headerOf(const std::string& bytes) {
+        return readFrameHeader({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+    }
     /// Reads until a text message of that type whose `field` has that value; any value for an empty field.
     json untilText(const std::string& type, const std::string& field = {}, const json& value = {}) {
         while (auto message = client.receive()) {
+            if (message->opcode == 2) passedBy.push_back(headerOf(message->bytes));
             if (message->opcode != 1) continue;
             json text = json::parse(message->bytes);
             if (text["type"] == type && (field.empty() || text[field] == value)) return text;
@@ -118,6 +136,7 @@ struct Viewer {
         say({{"type", "ping"}, {"time", 1}});
         int count = 0;
         while (auto message = client.receive()) {
+            if (message->opcode == 2) passedBy.push_back(headerOf(message->bytes));
             if (message->opcode != 1) continue;
             const json text = json::parse(message->bytes);
             count += text["type"] == type;
@@ -126,6 +145,7 @@ struct Viewer {
         return count;
     }
     WebClient client;
+    std::deque<FrameHeader> passedBy;  // frames that came while a text was waited for; not acknowledged yet
 };
 
 struct Running {
