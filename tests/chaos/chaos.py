@@ -21,28 +21,14 @@ class Watcher(support.Viewer):
         super().__init__(port, size=size)
         self.input, self.newest, self.samples, self.pictures = 1, 0, 0, []
 
-    def read(self, seconds, stop=lambda: False, acknowledge=True):
-        end = time.monotonic() + seconds
-        try:
-            while time.monotonic() < end and not stop():
-                first, second = self._take(2, end)
-                length = second & 127
-                if length > 125:
-                    length = int.from_bytes(self._take(2 if length == 126 else 8, end), 'big')
-                payload = self._take(length, end)
-                kind = first & 15
-                if kind == 8:
-                    self.closed = int.from_bytes(payload[:2], 'big')
-                    return
-                if kind == 2 and payload[2] == 2:
-                    self.pictures.append(payload[64:])
-                elif kind == 2:
-                    frame, self.newest = struct.unpack_from('<II', payload, 8)
-                    self.samples = struct.unpack_from('<I', payload, 28)[0]
-                    if acknowledge:
-                        self.say(type='ack', frameId=frame, presentedMs=None)
-        except (socket.timeout, TimeoutError, EOFError, ConnectionError):
-            return
+    def take(self, kind, payload, acknowledge):
+        if kind == 2 and payload[2] == 2:
+            self.pictures.append(payload[64:])
+        elif kind == 2:
+            frame, self.newest = struct.unpack_from('<II', payload, 8)
+            self.samples = struct.unpack_from('<I', payload, 28)[0]
+            if acknowledge:
+                self.say(type='ack', frameId=frame, presentedMs=None)
 
     def look(self):
         self.input += 1

@@ -184,11 +184,15 @@ class Viewer:
                 if kind == 8:
                     self.closed = int.from_bytes(payload[:2], 'big')
                     return
-                if kind == 1:
-                    self.texts.append(json.loads(payload))
-                if kind == 2 and payload[2] == 1:
-                    self.inputs.append(struct.unpack_from('<I', payload, 12)[0])
-                    if acknowledge:
-                        self.say(type='ack', frameId=struct.unpack_from('<I', payload, 8)[0], presentedMs=10.0)
+                self.take(kind, payload, acknowledge)
         except (socket.timeout, TimeoutError, EOFError, ConnectionError):
             return
+
+    def take(self, kind, payload, acknowledge):
+        """A message that was read: text (kind 1) or a frame (2)."""
+        if kind == 1:
+            self.texts.append(json.loads(payload))
+        if kind == 2 and payload[2] == 1:
+            self.inputs.append(struct.unpack_from('<I', payload, 12)[0])
+            if acknowledge:
+                self.say(type='ack', frameId=struct.unpack_from('<I', payload, 8)[0], presentedMs=10.0)
