@@ -356,13 +356,15 @@ TEST(Service, DrainDoesNotWaitForWhoSeesNothing) {
 
 TEST(Service, AFloodOfViewersDoesNotFillTheLog) {
     testing::internal::CaptureStderr();
+    const double from = wallSeconds();
     {
         Running s;
         for (int i = 0; i < 300; i++) test::WebClient(s.service.port()).upgrade(OURS);
     }
+    const double most = 100 + 10 * (wallSeconds() - from);  // at once, and a second: of each of the two places that tell
     const std::string text = testing::internal::GetCapturedStderr();
     EXPECT_THAT(text, HasSubstr(": connected"));
-    EXPECT_LT(std::ranges::count(text, '\n'), 400);  // 300 came and 300 went, told in two places
+    EXPECT_LT(std::ranges::count(text, '\n'), 2 * most + 20);  // all of it would be 1,200 lines
 }
 
 }  // namespace

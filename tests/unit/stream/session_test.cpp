@@ -735,7 +735,8 @@ TEST(Session, WhatTheOperatorCapsIsRefusedAndStandsInTheSchema) {
     auto session = std::make_shared<Session>(1, host, socket, options);
     session->begin();
     EXPECT_EQ(socket->last("settings")["values"]["samples"], 16) << "the default is within the cap";
-    for (const json& row : socket->last("hello")["schema"]) {
+    const json hello = socket->last("hello");
+    for (const json& row : hello["schema"]) {
         if (row["name"] == "aoSamples") {
             EXPECT_EQ(row["high"], 8);
         }
