@@ -128,7 +128,7 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     };
     joins(embree);
     for (const PhysicalDevice& device : devices) joins(numberedDevice(vulkan, device.index));
-    offer.spare = embree;
+    offer.fallback = embree;
     std::string automatic = gpu != devices.end() ? best : embree;
     for (const std::string& word : only) {
         if (std::ranges::find(offer.words, word) == offer.words.end())

@@ -16,7 +16,7 @@ namespace heliograph {
 struct DeviceInfo {
     std::string name;      // of its row in the device table, "embree", "vulkan:0"
     std::string details;   // for people: processor, driver, packet width
-    std::string silicon;   // devices with the same word share processors
+    std::string hardware;  // devices with the same word share processors
     uint32_t workers = 1;  // tiles in work at once
     // For the scheduler:
     uint32_t streams = 1;         // calls of renderStream that are worth making side by side
@@ -34,8 +34,8 @@ struct DeviceInfo {
 
 /// How fast a device can begin on a kind of request that it has not rendered before.
 enum class Warmth {
-    cold,      // `render` waits until something is compiled
-    lukewarm,  // renders at once, slower than it will after `warmUp`
+    cold,     // `render` waits until something is compiled
+    generic,  // renders at once, slower than it will after `warmUp`
     warm,
 };
 
@@ -65,7 +65,7 @@ public:
     virtual void warmUp(const FrameRequest& request) { static_cast<void>(request); }
     /// Whether `render` needs such a warm-up for the request. Never waits for a frame in progress.
     virtual Warmth warmth(const FrameRequest& request) const { return static_cast<void>(request), Warmth::warm; }
-    /// Makes the device lukewarm for whatever effects a viewer of the scene may switch on, as far as it can. May take seconds,
+    /// Makes the device generic for whatever effects a viewer of the scene may switch on, as far as it can. May take seconds,
     /// beside `render`; if it throws, the device goes on without.
     virtual void standBy() {}
     /// Renders the tiles in the order given and returns when all are delivered or `stop` was asked for (tiles not begun

@@ -114,7 +114,7 @@ PairedRatio ratioOf(const PairedTiming& timing, bool core) {
     return {percentile(ratios, 0.5), percentile(ratios, 0.25), percentile(ratios, 0.75)};
 }
 
-bool timedByCore(const Renderer& renderer, const Settings& settings) { return renderer.infoFor(settings).silicon == "cpu"; }
+bool timedByCore(const Renderer& renderer, const Settings& settings) { return renderer.infoFor(settings).hardware == "cpu"; }
 
 EffectBenchResult benchEffects(Renderer& renderer, const Scene& scene, const EffectBenchOptions& options,
                                const Progress& progress) {

@@ -98,7 +98,7 @@ OurPolicy::OurPolicy(std::span<const SimulatedDevice> devices, const CellGrid& g
     for (const SimulatedDevice& d : devices) {
         BalanceDevice& known = devices_.emplace_back();
         known.name = d.name;
-        known.silicon = d.name;
+        known.hardware = d.name;
         known.workers = d.workers;
         known.batchSeconds = d.batchSeconds;
         known.roundTrip = d.roundTrip;

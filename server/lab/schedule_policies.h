@@ -72,7 +72,7 @@ private:
 
 /// The same share of columns for each device.
 std::unique_ptr<SchedulePolicy> equalSplit(std::span<const SimulatedDevice> devices, const CellGrid& grid);
-/// Shares in proportion to the true rates: manual mode in the hands of somebody who knows them.
+/// Shares in proportion to the true rates: manual mode by somebody who knows them.
 std::unique_ptr<SchedulePolicy> proportionalSplit(std::span<const SimulatedDevice> devices, const CellGrid& grid);
 /// The balancer of RayEngine (A. Norgren 2016): from equal shares, after each frame share += 0.25 * (the others' time -
 /// own time), in seconds, unless that step is 0.05 or more. For more than two devices: twice the mean time less the

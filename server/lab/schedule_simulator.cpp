@@ -26,7 +26,7 @@ struct ScheduleSimulator::Run {
     };
     struct Worker {
         double freeAt = 0.0;  // in truth
-        uint32_t inHand = 0;
+        uint32_t inFlight = 0;
         bool idle = false;
         bool dead = false;
     };
@@ -56,19 +56,19 @@ struct ScheduleSimulator::Run {
         if (worker.dead) return;
         for (;;) {
             std::optional<SchedulePolicy::Batch> batch = policy.next(w, now);
-            worker.idle = !batch.has_value() && worker.inHand == 0;
+            worker.idle = !batch.has_value() && worker.inFlight == 0;
             if (!batch) return;
             out.batches++;
             if (batch->cells.empty()) {  // all of it was delivered meanwhile
                 policy.finish({batch->id, w, 0.0, 0.0, 0.0, now});
                 continue;
             }
-            hand(w, std::move(*batch), now);
+            give(w, std::move(*batch), now);
             return;
         }
     }
 
-    void hand(uint32_t w, SchedulePolicy::Batch&& batch, double now) {
+    void give(uint32_t w, SchedulePolicy::Batch&& batch, double now) {
         Worker& worker = workers[w];
         const SimulatedDevice& d = device(w);
         const double start = std::max(worker.freeAt, now + 0.5 * d.roundTrip);
@@ -79,7 +79,7 @@ struct ScheduleSimulator::Run {
         }
         const double seconds = simulator.workSeconds(d, cost, start);
         worker.freeAt = start + seconds;
-        worker.inHand++;
+        worker.inFlight++;
         if (worker.freeAt < d.diesAt) push(worker.freeAt + 0.5 * d.roundTrip, Kind::finish, w, works.size());
         works.push_back({std::move(batch), cost, seconds, start});
         push(std::max(now, policy.askAt(w)), Kind::ask, w);
@@ -88,7 +88,7 @@ struct ScheduleSimulator::Run {
     void finish(const Event& event) {
         Worker& worker = workers[event.worker];
         if (worker.dead) return;
-        worker.inHand--;
+        worker.inFlight--;
         Work& work = works[event.batch];
         const SimulatedDevice& d = device(event.worker);
         for (int copy = 0; copy < (d.deliversTwice ? 2 : 1); copy++) {

@@ -49,7 +49,7 @@ public:
     /// The order in which workers ask at the beginning.
     virtual std::vector<uint32_t> askOrder() const = 0;
     virtual std::optional<Batch> next(uint32_t worker, double now) = 0;
-    /// When a worker with a batch in hand may ask for another.
+    /// When a worker with a batch in flight may ask for another.
     virtual double askAt(uint32_t) const { return std::numeric_limits<double>::infinity(); }
     virtual void deliver(uint32_t) {}
     /// True if idle workers should ask again.

@@ -35,8 +35,8 @@ public:
         }
         if (first_ != HYBRID) {
             usable(first_, settings, progress);
-            if (hasSpare(first_) && !options_.patient)
-                background_.run(scheduler_.crew(), [this, settings] { loadSpare(settings); });
+            if (hasFallback(first_) && !options_.patient)
+                background_.run(scheduler_.pool(), [this, settings] { loadFallback(settings); });
             return;
         }
         bool any = false;
@@ -62,7 +62,7 @@ public:
             report.append(result.report);
             for (const auto& [device, why] : result.failures) {
                 memory_.rates.forget(device);
-                if (name != HYBRID && !hasSpare(name)) throw std::runtime_error(why);
+                if (name != HYBRID && !hasFallback(name)) throw std::runtime_error(why);
                 setAside(device, why);
             }
             missing = std::move(result.missing);
@@ -93,12 +93,12 @@ private:
         return slot;
     }
 
-    /// Of the device, or of its spare once that has taken over.
+    /// Of the device, or of its fallback once that has taken over.
     DeviceInfo infoOf(const std::string& name) const {
         DeviceInfo info;
         if (name != HYBRID) {
             std::shared_ptr<Device> device = entry(name)->ready();
-            if (!device && hasSpare(name) && !entry(name)->failure().empty()) device = entry(offer_.spare)->ready();
+            if (!device && hasFallback(name) && !entry(name)->failure().empty()) device = entry(offer_.fallback)->ready();
             return device ? device->info() : info;
         }
         info.name = HYBRID;
@@ -113,9 +113,9 @@ private:
         return info;
     }
 
-    bool hasSpare(const std::string& name) const {
+    bool hasFallback(const std::string& name) const {
         const DeviceRow* row = deviceRow(name);
-        return row && !row->standIn.empty() && !offer_.spare.empty();
+        return row && !row->standIn.empty() && !offer_.fallback.empty();
     }
 
     /// The device with the scene. Devices do not wait for each other's loading. Throws what it throws.
@@ -136,7 +136,7 @@ private:
             entry->device = device;
         }
         if (!options_.patient)
-            background_.run(scheduler_.crew(), [this, name = entry->name, device] { standBy(name, *device); });
+            background_.run(scheduler_.pool(), [this, name = entry->name, device] { standBy(name, *device); });
         return device;
     }
 
@@ -160,19 +160,19 @@ private:
         }
     }
 
-    /// What renders for that name: the device, or its spare.
+    /// What renders for that name: the device, or its fallback.
     std::shared_ptr<Device> usable(const std::string& name, const Settings& settings, const Progress& progress) {
-        if (!hasSpare(name)) return loadNow(entry(name), settings, progress);
+        if (!hasFallback(name)) return loadNow(entry(name), settings, progress);
         std::shared_ptr<Device> device = loaded(name, settings, progress);
-        return device ? device : loadNow(entry(offer_.spare), settings, progress);
+        return device ? device : loadNow(entry(offer_.fallback), settings, progress);
     }
 
     /// So that it can take over within a frame's time. If that fails, it is tried again when it is needed.
-    void loadSpare(const Settings& settings) {
+    void loadFallback(const Settings& settings) {
         try {
-            loadNow(entry(offer_.spare), settings, {});
+            loadNow(entry(offer_.fallback), settings, {});
         } catch (const std::exception& error) {
-            log().warn("{} cannot stand by: {}", offer_.spare, error.what());
+            log().warn("{} cannot stand by: {}", offer_.fallback, error.what());
         }
     }
 
@@ -185,7 +185,7 @@ private:
             failed->device = nullptr;
         }
         std::string text = "device " + name + " was set aside: " + why + "; ";
-        text += hasSpare(name) ? offer_.spare + " goes on" : "the others go on";
+        text += hasFallback(name) ? offer_.fallback + " goes on" : "the others go on";
         log().warn("{}", text);
         if (options_.notice) options_.notice(name, text);
     }
@@ -205,11 +205,11 @@ private:
         return team;
     }
 
-    /// The device of that name. While it compiles for these effects or when it has failed, its spare, which makes the same picture.
+    /// The device of that name. While it compiles for these effects or when it has failed, its fallback, which makes the same picture.
     std::vector<Candidate> loner(const std::string& name, const FrameRequest& request) {
         std::shared_ptr<DeviceSlot> slot = entry(name);
         const std::shared_ptr<Device> device = usable(name, request.settings, {});
-        if (!hasSpare(name)) return {candidateOf(*slot, device, request.settings)};
+        if (!hasFallback(name)) return {candidateOf(*slot, device, request.settings)};
         std::vector<Candidate> team;
         std::string why = slot->failure();
         if (!why.empty()) why = "set aside: " + why;
@@ -217,8 +217,8 @@ private:
         if (why.empty()) return {candidateOf(*slot, device, request.settings)};
         team.push_back(candidateOf(*slot, slot->ready(), request.settings));
         team.back().blocked = why;
-        const std::shared_ptr<Device> spare = loadNow(entry(offer_.spare), request.settings, {});
-        team.push_back(candidateOf(*entry(offer_.spare), spare, request.settings));
+        const std::shared_ptr<Device> fallback = loadNow(entry(offer_.fallback), request.settings, {});
+        team.push_back(candidateOf(*entry(offer_.fallback), fallback, request.settings));
         return team;
     }
 
@@ -271,7 +271,7 @@ private:
             std::lock_guard lock(member->mutex);
             const Warmth warmth = member->device ? member->device->warmth(request) : Warmth::cold;
             if (warmth == Warmth::warm) return member->blocked ? "is compiling for other effects" : "";
-            serves = warmth == Warmth::lukewarm;
+            serves = warmth == Warmth::generic;
             if (serves && member->busy) return {};
             if (member->busy) return member->device ? "is compiling for these effects" : "is being given the scene";
             member->busy = true;
@@ -294,7 +294,7 @@ private:
             std::string why = member->failure();
             return why.empty() ? "" : "set aside: " + why;
         }
-        background_.run(scheduler_.crew(), work);
+        background_.run(scheduler_.pool(), work);
         return serves ? "" : "is being made ready";
     }
 
@@ -305,7 +305,7 @@ private:
             std::unique_lock lock(mutex_);
             changed_.wait(lock, [&] { return running_ == 0; });
         }
-        void run(WorkerCrew& crew, std::function<void()> task) {
+        void run(WorkerPool& pool, std::function<void()> task) {
             {
                 std::lock_guard lock(mutex_);
                 running_++;
@@ -317,7 +317,7 @@ private:
                 changed_.notify_all();
             };
             try {
-                crew.run(counted);
+                pool.run(counted);
             } catch (const std::system_error&) {
                 counted();  // no thread to be had: who asked for it does it
             }

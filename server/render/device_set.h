@@ -19,7 +19,7 @@ struct DeviceOffer {
     /// Throws InputError for a device that is not there, std::runtime_error if it cannot start.
     std::function<std::unique_ptr<Device>(const std::string& name)> make;
     std::vector<std::string> team;  // devices of hybrid, the one that is ready soonest first
-    std::string spare;              // that takes over from a traced device that compiles or failed; empty: none does
+    std::string fallback;           // that takes over from a traced device that compiles or failed; empty: none does
 };
 
 struct DeviceSetOptions {
@@ -29,8 +29,8 @@ struct DeviceSetOptions {
 };
 
 /// `load` gives the scene to the device that its settings name; the others get it in `prepare`, or in `render` for want of
-/// it; hybrid's get it in the background, so does the spare of a traced device unless the set is patient. A device that
-/// could not be started or loaded is tried again when it is asked for by name again, unless there is a spare. The scheduler
+/// it; hybrid's get it in the background, so does the fallback of a traced device unless the set is patient. A device that
+/// could not be started or loaded is tried again when it is asked for by name again, unless there is a fallback. The scheduler
 /// outlives the set.
 std::unique_ptr<Renderer> makeDeviceSet(DeviceOffer offer, TileScheduler& scheduler, DeviceSetOptions options = {});
 

@@ -58,14 +58,14 @@ TileRun::TileRun(TileWork work, std::vector<Participant> participants, const std
     }
 }
 
-void TileRun::render(WorkerCrew& crew, std::stop_token stop, bool giveUp) {
+void TileRun::render(WorkerPool& pool, std::stop_token stop, bool giveUp) {
     std::stop_callback forward(stop, [&] {
         stop_.request_stop();
         std::lock_guard lock(mutex_);
         changed_.notify_all();
     });
     std::unique_lock lock(mutex_);
-    crew_ = &crew;
+    pool_ = &pool;
     if (!balance_.done() && !stop.stop_requested()) begin();
     for (serveUnserved(lock); wait(lock, giveUp); serveUnserved(lock)) {
         const double now = wallSeconds();
@@ -161,7 +161,7 @@ void TileRun::startIdle() {
         if (!batch && report_.batches > 0 && !balance_.waiting()) return;
         serving_[worker] = true;
         try {
-            crew_->run([self = shared_from_this(), worker, batch] { self->serve(worker, batch, true); });
+            pool_->run([self = shared_from_this(), worker, batch] { self->serve(worker, batch, true); });
         } catch (const std::system_error&) {
             // No thread to be had (a limit of the machine or container): the frame's own thread does it.
             unserved_.emplace_back(worker, batch);
@@ -180,23 +180,23 @@ std::optional<FrameBalance::Batch> TileRun::nextBatch(uint32_t worker) {
     report_.decisionSeconds += wallSeconds() - before;
     if (!batch) return {};
     if (balance_.nextOverdue() < wakeAt_) changed_.notify_all();
-    while (hands_.size() <= batch->id) hands_.emplace_back();
-    Hand& hand = hands_[batch->id];
-    hand.begin = before;
-    hand.tiles.reserve(batch->last - batch->first);
+    while (assignments_.size() <= batch->id) assignments_.emplace_back();
+    Assignment& assignment = assignments_[batch->id];
+    assignment.begin = before;
+    assignment.tiles.reserve(batch->last - batch->first);
     uint32_t fresh = batch->fresh;
     for (uint32_t tile : balance_.cells(*batch)) {
         const bool again = fresh == 0;
         if (!again) fresh--;
         if (cells_[tile].load() != Cell::open) continue;
-        hand.tiles.push_back(work_.tiles[tile]);
+        assignment.tiles.push_back(work_.tiles[tile]);
         if (again) report_.reissued++;
     }
     // Neighbours one after the other: they meet the same nodes and texels. Worth 15 % on a GPU and 4 % on a processor.
     auto rowMajor = [](const Tile& a, const Tile& b) {
         return a.origin.y != b.origin.y ? a.origin.y < b.origin.y : a.origin.x < b.origin.x;
     };
-    if (!std::ranges::is_sorted(hand.tiles, rowMajor)) std::ranges::sort(hand.tiles, rowMajor);
+    if (!std::ranges::is_sorted(assignment.tiles, rowMajor)) std::ranges::sort(assignment.tiles, rowMajor);
     inWork_[worker] = batch;
     report_.batches++;
     return batch;
@@ -211,11 +211,11 @@ void TileRun::serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, b
             changed_.wait(lock, [&] { return over_ || (batch = nextBatch(worker)).has_value(); });
             if (over_) break;
         }
-        Hand& hand = hands_[batch->id];
+        Assignment& assignment = assignments_[batch->id];
         lock.unlock();
-        const std::string failure = renderBatch(*batch, hand);
+        const std::string failure = renderBatch(*batch, assignment);
         lock.lock();
-        settle(*batch, hand, failure);
+        settle(*batch, assignment, failure);
         inWork_[worker].reset();
         if (!balance_.isActive(worker)) break;
         batch.reset();
@@ -227,16 +227,16 @@ void TileRun::serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, b
 }
 
 /// Returns what went wrong, or nothing.
-std::string TileRun::renderBatch(const FrameBalance::Batch& batch, Hand& hand) {
+std::string TileRun::renderBatch(const FrameBalance::Batch& batch, Assignment& assignment) {
     const uint32_t device = balance_.deviceOf(batch.worker);
     Participant& participant = participants_[device];
     participant.inFlight->begin();
     std::string failure;
     try {
         auto sink = [&](TileResult&& result) { take(device, std::move(result)); };
-        if (!hand.tiles.empty()) {
-            if (participant.whole) participant.device->render(work_.request, hand.tiles, sink, stop_.get_token());
-            else participant.device->renderStream(work_.request, hand.tiles, sink, stop_.get_token());
+        if (!assignment.tiles.empty()) {
+            if (participant.whole) participant.device->render(work_.request, assignment.tiles, sink, stop_.get_token());
+            else participant.device->renderStream(work_.request, assignment.tiles, sink, stop_.get_token());
         }
     } catch (const std::exception& error) {
         failure = error.what();
@@ -244,10 +244,10 @@ std::string TileRun::renderBatch(const FrameBalance::Batch& batch, Hand& hand) {
     }
     participant.inFlight->end();
     if (!failure.empty() || stop_.stop_requested()) return failure;
-    const auto missing = std::count_if(hand.tiles.begin(), hand.tiles.end(),
+    const auto missing = std::count_if(assignment.tiles.begin(), assignment.tiles.end(),
                                        [&](const Tile& tile) { return cells_[tileAt(tile)].load() == Cell::open; });
     if (missing > 0) {
-        failure = "left out " + std::to_string(missing) + " of " + std::to_string(hand.tiles.size()) + " tiles";
+        failure = "left out " + std::to_string(missing) + " of " + std::to_string(assignment.tiles.size()) + " tiles";
     }
     return failure;
 }
@@ -302,30 +302,31 @@ void TileRun::flush(const FrameBalance::Batch& batch) {
 }
 
 /// A batch came back. With the lock held.
-void TileRun::settle(const FrameBalance::Batch& batch, const Hand& hand, const std::string& failure) {
+void TileRun::settle(const FrameBalance::Batch& batch, const Assignment& assignment, const std::string& failure) {
     if (over_ || sinkFailed_) return;
     const double now = wallSeconds();
     const uint32_t device = balance_.deviceOf(batch.worker);
-    const uint32_t tiles = static_cast<uint32_t>(hand.tiles.size());
-    workers_[batch.worker].batches.push_back({hand.begin, now, tiles, busyOf(hand, device, now - hand.begin)});
+    const uint32_t tiles = static_cast<uint32_t>(assignment.tiles.size());
+    workers_[batch.worker].batches.push_back(
+        {assignment.begin, now, tiles, busyOf(assignment, device, now - assignment.begin)});
     flush(batch);
     bool cellsWait = balance_.finish(batch.id, now);
     if (!failure.empty()) {
         fail(device, failure);
         cellsWait = balance_.waiting();
     } else if (!stop_.stop_requested() && tiles > 0) {
-        note(hand, device, batch.seconds, now - hand.begin - participants_[device].info.roundTrip);
+        note(assignment, device, batch.seconds, now - assignment.begin - participants_[device].info.roundTrip);
     }
     if (cellsWait) startIdle();
     if (cellsWait || balance_.done() || balance_.hopeless()) changed_.notify_all();
 }
 
 /// Seconds of a batch's `duration` that the device's streams worked, on average, where it says so.
-double TileRun::busyOf(const Hand& hand, uint32_t device, double duration) const {
+double TileRun::busyOf(const Assignment& assignment, uint32_t device, double duration) const {
     const Participant& p = participants_[device];
     if (!p.whole || !p.info.stampsTiles) return duration;
     double seconds = 0.0;
-    for (const Tile& tile : hand.tiles) {
+    for (const Tile& tile : assignment.tiles) {
         const uint32_t index = tileAt(tile);
         if (cells_[index].load() == Cell::done && made_[index].device == device) seconds += made_[index].seconds;
     }
@@ -333,18 +334,18 @@ double TileRun::busyOf(const Hand& hand, uint32_t device, double duration) const
 }
 
 /// What a batch took, of the tiles that the device was first to deliver. Rates are those of a stream.
-void TileRun::note(const Hand& hand, uint32_t device, double predicted, double busy) {
+void TileRun::note(const Assignment& assignment, uint32_t device, double predicted, double busy) {
     const Participant& p = participants_[device];
     double cost = 0.0, seconds = 0.0;
     size_t delivered = 0;
-    for (const Tile& tile : hand.tiles) {
+    for (const Tile& tile : assignment.tiles) {
         const uint32_t index = tileAt(tile);
         if (cells_[index].load() != Cell::done || made_[index].device != device) continue;
         cost += made_[index].rays * static_cast<double>(samplesOf(tile));
         seconds += made_[index].seconds;
         delivered++;
     }
-    if (delivered < hand.tiles.size()) return;  // somebody else made a part, so the time means nothing
+    if (delivered < assignment.tiles.size()) return;  // somebody else made a part, so the time means nothing
     records_.push_back(
         {p.info.name,
          {p.whole ? cost / p.info.streams : cost, predicted, p.info.stampsTiles && !p.whole ? seconds : busy, busy}});

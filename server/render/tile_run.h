@@ -9,7 +9,7 @@
 #include "server/schedule/rate_book.h"
 #include "server/schedule/schedule_report.h"
 #include "server/render/calls_in_flight.h"
-#include "server/render/worker_crew.h"
+#include "server/render/worker_pool.h"
 
 #include <atomic>
 #include <condition_variable>
@@ -46,7 +46,7 @@ public:
     /// Renders until all tiles are delivered, `stop` was asked for, or nobody is left who could go on. With `giveUp` that
     /// includes devices that owe an overdue batch; without, those are waited for. Afterwards the sink is not called any
     /// more, and no device works on the frame except those that stall. Throws what the sink threw first; that ends the run.
-    void render(WorkerCrew& crew, std::stop_token stop, bool giveUp);
+    void render(WorkerPool& pool, std::stop_token stop, bool giveUp);
 
     /// Tiles that nobody delivered.
     std::vector<Tile> missing() const;
@@ -67,8 +67,8 @@ private:
         float seconds = 0.0f;  // of the device's stream
         uint32_t device = 0;
     };
-    /// A batch in the hands of a device.
-    struct Hand {
+    /// A batch that a device works on.
+    struct Assignment {
         std::vector<Tile> tiles;
         double begin = 0.0;
     };
@@ -78,15 +78,15 @@ private:
     void serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, bool stay);
     void serveUnserved(std::unique_lock<std::mutex>& lock);
     std::optional<FrameBalance::Batch> nextBatch(uint32_t worker);
-    std::string renderBatch(const FrameBalance::Batch& batch, Hand& hand);
+    std::string renderBatch(const FrameBalance::Batch& batch, Assignment& assignment);
     void take(uint32_t device, TileResult&& result);
-    void settle(const FrameBalance::Batch& batch, const Hand& hand, const std::string& failure);
+    void settle(const FrameBalance::Batch& batch, const Assignment& assignment, const std::string& failure);
     void flush(const FrameBalance::Batch& batch);
     void fail(uint32_t device, const std::string& why);
     bool wait(std::unique_lock<std::mutex>& lock, bool giveUp);
     void close(std::unique_lock<std::mutex>& lock);
-    double busyOf(const Hand& hand, uint32_t device, double duration) const;
-    void note(const Hand& hand, uint32_t device, double predicted, double busy);
+    double busyOf(const Assignment& assignment, uint32_t device, double duration) const;
+    void note(const Assignment& assignment, uint32_t device, double predicted, double busy);
     uint32_t tileAt(const Tile& tile) const;
 
     TileWork work_;
@@ -101,9 +101,9 @@ private:
 
     std::mutex mutex_;  // of all below
     std::condition_variable_any changed_;
-    WorkerCrew* crew_ = nullptr;
+    WorkerPool* pool_ = nullptr;
     FrameBalance balance_;
-    std::deque<Hand> hands_;
+    std::deque<Assignment> assignments_;
     std::vector<std::optional<FrameBalance::Batch>> inWork_;  // by worker
     std::vector<bool> serving_;                               // by worker: has a thread
     std::vector<WorkerReport> workers_;

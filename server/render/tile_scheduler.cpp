@@ -90,7 +90,7 @@ Participant participantOf(const Candidate& candidate, const FrameRequest& reques
     const RateBook::Rate learned = rates.rate(p.info.name, request.effects);
     BalanceDevice& known = p.known;
     known.name = p.info.name;
-    known.silicon = p.info.silicon;
+    known.hardware = p.info.hardware;
     known.workers = std::max(p.info.streams, 1u);
     known.rate = learned.rate;
     known.spread = learned.spread;
@@ -127,7 +127,7 @@ void keepCores(std::vector<Participant>& participants, const Settings& settings)
     }
     if (settings.embreeThreads > 0) return;
     for (Participant& p : participants) {
-        if (p.info.silicon == "cpu") p.known.workers -= std::min(feeders, p.known.workers - 1);
+        if (p.info.hardware == "cpu") p.known.workers -= std::min(feeders, p.known.workers - 1);
     }
 }
 
@@ -164,7 +164,7 @@ bool anyProbes(const std::vector<Participant>& participants) {
 struct TileScheduler::Plan {
     TileWork work;
     std::vector<Participant> participants;
-    bool byHand = false;
+    bool manual = false;
     HybridTrial* trial = nullptr;  // that the run is part of
 };
 
@@ -195,7 +195,7 @@ void TileScheduler::shareAll(Plan& plan, bool forced, ScheduleMemory& memory, co
 }
 
 /// The picture is cut where the share says: each side has a range of the tiles, column by column.
-void TileScheduler::shareByHand(Plan& plan, const ViewMemory& view) {
+void TileScheduler::shareManually(Plan& plan, const ViewMemory& view) {
     TileWork& work = plan.work;
     bool sides[2] = {false, false};
     for (const Participant& p : plan.participants) sides[isGpuSide(p.info) ? 1 : 0] = true;
@@ -221,7 +221,7 @@ void TileScheduler::shareByHand(Plan& plan, const ViewMemory& view) {
     }
 }
 
-/// Devices that failed are left out from now on. So are those that stopped in a run by hand, if somebody else answers: what their
+/// Devices that failed are left out from now on. So are those that stopped in a run with manual shares, if somebody else answers: what their
 /// side could not do is shared by all.
 void TileScheduler::leaveOut(std::vector<Candidate>& candidates, const TileRun& run) {
     for (const auto& [device, why] : run.failures()) {
@@ -257,9 +257,9 @@ ScheduleResult TileScheduler::render(const FrameRequest& request, std::span<cons
                                      const TileSink& sink, std::stop_token stop) {
     ScheduleResult result;
     result.missing.assign(tiles.begin(), tiles.end());
-    bool byHand = request.settings.hybridBalance == Settings::choice("hybridBalance", "manual");
+    bool manual = request.settings.hybridBalance == Settings::choice("hybridBalance", "manual");
     while (!result.missing.empty() && !stop.stop_requested()) {
-        Plan plan{workOf(request, std::move(result.missing), view, sink), {}, byHand && candidates.size() > 1};
+        Plan plan{workOf(request, std::move(result.missing), view, sink), {}, manual && candidates.size() > 1};
         const double now = wallSeconds();
         for (const Candidate& c : candidates) {
             if (c.blocked.empty()) plan.participants.push_back(participantOf(c, request, memory.rates, now));
@@ -268,16 +268,16 @@ ScheduleResult TileScheduler::render(const FrameRequest& request, std::span<cons
             result.missing = std::move(plan.work.tiles);
             break;
         }
-        if (plan.byHand) shareByHand(plan, view);
+        if (plan.manual) shareManually(plan, view);
         else shareAll(plan, std::ranges::any_of(candidates, &Candidate::forced), memory, view);
         auto run = std::make_shared<TileRun>(std::move(plan.work), plan.participants, absentees(candidates));
-        run->render(crew_, stop, plan.byHand);
+        run->render(pool_, stop, plan.manual);
         result.report.append(run->report());
         result.failures.insert(result.failures.end(), run->failures().begin(), run->failures().end());
         result.missing = run->missing();
         learn(plan, *run, request.effects, run->failures().empty() && !stop.stop_requested(), memory, view);
         leaveOut(candidates, *run);
-        byHand = false;
+        manual = false;
     }
     return result;
 }

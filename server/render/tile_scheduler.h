@@ -37,8 +37,8 @@ struct ScheduleResult {
 
 class TileScheduler {
 public:
-    /// `startThread`: see WorkerCrew.
-    explicit TileScheduler(WorkerCrew::StartThread startThread = WorkerCrew::startDetached) : crew_(std::move(startThread)) {}
+    /// `startThread`: see WorkerPool.
+    explicit TileScheduler(WorkerPool::StartThread startThread = WorkerPool::startDetached) : pool_(std::move(startThread)) {}
 
     /// Renders the tiles, one cell each, on the candidates. The view's memory tells what cells cost, and learns it. Devices that fail are left out of the rest. The request's settings choose between automatic and
     /// manual balance. Throws what the sink threw; the devices are not blamed for that.
@@ -47,18 +47,18 @@ public:
 
     Turns& turns() { return turns_; }
     /// Threads for what is done beside frames: devices that get ready.
-    WorkerCrew& crew() { return crew_; }
+    WorkerPool& pool() { return pool_; }
 
 private:
     struct Plan;
     static void shareAll(Plan& plan, bool forced, ScheduleMemory& memory, const ViewMemory& view);
-    static void shareByHand(Plan& plan, const ViewMemory& view);
+    static void shareManually(Plan& plan, const ViewMemory& view);
     static void learn(const Plan& plan, const TileRun& run, const EffectSet& effects, bool complete, ScheduleMemory& memory,
                       ViewMemory& view);
     static void leaveOut(std::vector<Candidate>& candidates, const TileRun& run);
 
     Turns turns_;
-    WorkerCrew crew_;
+    WorkerPool pool_;
 };
 
 }  // namespace heliograph

@@ -31,10 +31,10 @@ std::string formatted(const char* format, Values... values) {
 /// Of devices that share processors, only the fastest works.
 void parkSharers(std::span<const BalanceDevice> devices, std::vector<DevicePart>& parts) {
     for (size_t i = 0; i < devices.size(); i++) {
-        if (devices[i].forced || devices[i].silicon.empty()) continue;
+        if (devices[i].forced || devices[i].hardware.empty()) continue;
         const BalanceDevice* best = nullptr;
         for (const BalanceDevice& other : devices) {
-            if (other.silicon != devices[i].silicon) continue;
+            if (other.hardware != devices[i].hardware) continue;
             if (best == nullptr || totalRate(other) > totalRate(*best)) best = &other;
         }
         if (best == &devices[i] || totalRate(devices[i]) <= 0.0) continue;
@@ -49,10 +49,10 @@ void probeUnknown(std::span<const BalanceDevice> devices, std::vector<DevicePart
     for (size_t i = 0; i < devices.size(); i++) {
         if (totalRate(devices[i]) > 0.0 || parts[i].part == Part::parked) continue;
         parts[i] = {Part::probes, "not measured yet with these effects"};
-        if (devices[i].forced || devices[i].silicon.empty()) continue;
+        if (devices[i].forced || devices[i].hardware.empty()) continue;
         for (size_t j = 0; j < devices.size(); j++) {
             const BalanceDevice& other = devices[j];
-            if (j == i || other.silicon != devices[i].silicon) continue;
+            if (j == i || other.hardware != devices[i].hardware) continue;
             if (totalRate(other) > 0.0 || (j < i && parts[j].part != Part::parked)) {
                 parts[i] = {Part::parked, "shares its processors with " + other.name + ", which goes first"};
             }

@@ -17,14 +17,14 @@ namespace heliograph {
 /// What is known of a device when a frame begins.
 struct BalanceDevice {
     std::string name;
-    std::string silicon;        // devices with the same word share processors
+    std::string hardware;       // devices with the same word share processors
     uint32_t workers = 1;       // batches in work at once, each at `rate`
     double rate = 0.0;          // cost a second of one worker, with the frame's effects; 0 = not measured
     double spread = 0.3;        // mean relative error of predicted batch times
     double batchSeconds = 0.0;  // fixed cost of a batch: submission, wake-up, the longest path of a kernel
     double roundTrip = 0.0;     // seconds on the wire, there and back; 0 for a local device
     double age = 0.0;           // seconds since it was last measured
-    bool forced = false;        // takes part whatever it gains (chosen by hand)
+    bool forced = false;        // takes part whatever it gains (chosen by the user)
 };
 
 enum class Part { works, probes, parked };
@@ -38,7 +38,7 @@ struct OrderRange {
 struct DevicePart {
     Part part = Part::works;
     std::string reason;     // of probing and parking, one line for people
-    OrderRange range = {};  // of the cells that it may be given; all of them, unless chosen by hand
+    OrderRange range = {};  // of the cells that it may be given; all of them, unless the user set shares
 };
 
 /// The shortest time in which the devices together could render `cost`, if it could be split at will: the smallest T
@@ -59,7 +59,7 @@ constexpr double WEAK = 0.1;
 constexpr double REMEASURE_SECONDS = 5.0;
 
 /// Who takes part in a frame of predicted cost `cost`; as many entries as devices. In this order: of devices on the
-/// same silicon only the fastest; devices without a rate are measured; devices that can't deliver a single batch within
+/// same hardware only the fastest; devices without a rate are measured; devices that can't deliver a single batch within
 /// the frame are parked; if all the others together gain less than LEAST_GAIN over the best device, it works alone; the
 /// weakest tail is parked. Forced devices are never parked.
 std::vector<DevicePart> chooseParts(std::span<const BalanceDevice> devices, double cost);

@@ -75,11 +75,11 @@ void FrameBalance::beginWorkers(std::span<const BalanceDevice> devices, std::spa
     askOrder_.clear();
     for (uint32_t d = 0; d < devices.size(); d++) {
         const BalanceDevice& device = devices[d];
-        uint32_t silicon = d;
-        for (uint32_t other = 0; other < d && !device.silicon.empty() && silicon == d; other++) {
-            if (devices[other].silicon == device.silicon) silicon = other;
+        uint32_t hardware = d;
+        for (uint32_t other = 0; other < d && !device.hardware.empty() && hardware == d; other++) {
+            if (devices[other].hardware == device.hardware) hardware = other;
         }
-        Worker worker{d, ranges_[d], silicon, device.rate, device.spread, device.batchSeconds, 0.5 * device.roundTrip};
+        Worker worker{d, ranges_[d], hardware, device.rate, device.spread, device.batchSeconds, 0.5 * device.roundTrip};
         worker.freeAt = now;
         if (parts[d].part == Part::parked) worker.state = State::parked;
         if (parts[d].part == Part::probes) worker.state = device.rate > 0.0 ? State::samples : State::probes;
@@ -95,12 +95,12 @@ void FrameBalance::beginWorkers(std::span<const BalanceDevice> devices, std::spa
     });
 }
 
-/// Counts a worker from the time on at which it could deliver work beyond what it has in hand.
+/// Counts a worker from the time on at which it could deliver work beyond what is in flight.
 /// `notBefore`: what is left until then is too short for a whole cell.
 void FrameBalance::count(Worker& worker, double now, double notBefore) {
     drop(worker);
-    // With its hands full it asks again when the first result is here.
-    const double asks = worker.inHandCount == MOST_IN_HAND ? std::max(now, batches_[worker.inHand[0]].batch.due) : now;
+    // With all of them in flight it asks again when the first result is here.
+    const double asks = worker.inFlightCount == MOST_IN_FLIGHT ? std::max(now, batches_[worker.inFlight[0]].batch.due) : now;
     worker.ready = std::max(worker.freeAt, asks + worker.half) + worker.batchSeconds + worker.half;
     worker.ready = std::max(worker.ready, notBefore);
     poolOf(worker).table.add(worker.counted(), worker.ready);
@@ -148,12 +148,12 @@ void FrameBalance::chooseAnchors() {
 std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now) {
     Worker& worker = workers_[index];
     const bool able = worker.state != State::parked && worker.state != State::lost && worker.state != State::suspect;
-    if (!able || worker.inHandCount == MOST_IN_HAND) return {};
+    if (!able || worker.inFlightCount == MOST_IN_FLIGHT) return {};
     Pool& pool = poolOf(worker);
     while (pool.next >= pool.original && pool.next < pool.order.size() && !again_[pool.order[pool.next]]) pool.next++;
     if (pool.next == pool.order.size()) return {};
     if (worker.state != State::works) {
-        if (worker.inHandCount > 0) return {};
+        if (worker.inFlightCount > 0) return {};
         return probe(index, now);
     }
     count(worker, now);
@@ -166,8 +166,8 @@ std::optional<FrameBalance::Batch> FrameBalance::next(uint32_t index, double now
         last = static_cast<uint32_t>(pool.order.size());  // there is nobody to hold anything back for
     } else if (last == pool.next) {
         if (index != pool.anchor) {
-            // It asks again when the result of what it has in hand is here, and then waits for a whole round trip.
-            if (worker.inHandCount == 0) drop(worker);
+            // It asks again when the result of what is in flight is here, and then waits for a whole round trip.
+            if (worker.inFlightCount == 0) drop(worker);
             else count(worker, now, worker.freeAt + 3.0 * worker.half + worker.batchSeconds);
             return {};
         }
@@ -230,7 +230,7 @@ FrameBalance::Batch FrameBalance::issue(uint32_t index, uint32_t last, double no
         batch.due = worker.freeAt + worker.half;
     }
     setAlarm(batch, now);
-    worker.inHand[worker.inHandCount++] = batch.id;
+    worker.inFlight[worker.inFlightCount++] = batch.id;
     batches_.push_back({batch, start, now + worker.half});
     return batch;
 }
@@ -285,13 +285,13 @@ bool FrameBalance::finish(uint32_t id, double now) {
     entry.finished = true;
     Worker& worker = workers_[entry.batch.worker];
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < worker.inHandCount; i++) {
-        if (worker.inHand[i] != id) worker.inHand[kept++] = worker.inHand[i];
+    for (uint32_t i = 0; i < worker.inFlightCount; i++) {
+        if (worker.inFlight[i] != id) worker.inFlight[kept++] = worker.inFlight[i];
     }
-    worker.inHandCount = kept;
+    worker.inFlightCount = kept;
     worker.freeAt = std::max(begin_, now - worker.half);
     for (uint32_t i = 0; i < kept; i++) {
-        const Entry& waits = batches_[worker.inHand[i]];
+        const Entry& waits = batches_[worker.inFlight[i]];
         worker.freeAt = std::max(worker.freeAt, waits.earliest) + waits.batch.seconds;
     }
     if (worker.state == State::suspect) {
@@ -362,11 +362,11 @@ bool FrameBalance::lose(uint32_t index) {
     drop(worker);
     worker.state = State::lost;
     chooseAnchors();
-    for (uint32_t i = 0; i < worker.inHandCount; i++) {
-        batches_[worker.inHand[i]].finished = true;
-        giveBack(worker.inHand[i]);
+    for (uint32_t i = 0; i < worker.inFlightCount; i++) {
+        batches_[worker.inFlight[i]].finished = true;
+        giveBack(worker.inFlight[i]);
     }
-    worker.inHandCount = 0;
+    worker.inFlightCount = 0;
     callParked(true);
     return waiting();
 }
@@ -381,13 +381,13 @@ void FrameBalance::callParked(bool all) {
 void FrameBalance::callParked(uint32_t pool, bool all) {
     auto working = [&](const Worker& w) { return w.pool == pool && (w.state == State::works || w.state == State::probes); };
     if (std::any_of(workers_.begin(), workers_.end(), working)) return;
-    auto late = [&](uint32_t silicon) {
+    auto late = [&](uint32_t hardware) {
         return std::any_of(workers_.begin(), workers_.end(),
-                           [&](const Worker& w) { return w.state == State::suspect && w.silicon == silicon; });
+                           [&](const Worker& w) { return w.state == State::suspect && w.hardware == hardware; });
     };
     for (Worker& worker : workers_) {
         if (worker.pool != pool || (worker.state != State::parked && worker.state != State::samples)) continue;
-        if (!all && late(worker.silicon)) continue;
+        if (!all && late(worker.hardware)) continue;
         worker.state = worker.rate > 0.0 ? State::works : State::probes;
     }
 }

@@ -18,7 +18,7 @@ namespace heliograph {
 class FrameBalance {
 public:
     /// Batches that a worker may have at once: at the end they are shorter than a round trip.
-    static constexpr uint32_t MOST_IN_HAND = 4;
+    static constexpr uint32_t MOST_IN_FLIGHT = 4;
 
     /// Cells for a worker (`cells`). Those that were delivered meanwhile are to be left out (`isDelivered`).
     struct Batch {
@@ -51,10 +51,10 @@ public:
     /// what their whole cells leave over goes to the fast ones.
     std::span<const uint32_t> askOrder() const { return askOrder_; }
 
-    /// The next batch for a worker with fewer than MOST_IN_HAND; nothing if all it could take would end after the rest
+    /// The next batch for a worker with fewer than MOST_IN_FLIGHT; nothing if all it could take would end after the rest
     /// of the frame.
     std::optional<Batch> next(uint32_t worker, double now);
-    /// When `next` should be called for a worker that has batches in hand, so that another one arrives in time:
+    /// When `next` should be called for a worker that has batches in flight, so that another one arrives in time:
     /// infinite (when its result is here) for a device without round trip.
     double askAt(uint32_t worker) const;
 
@@ -62,7 +62,7 @@ public:
     bool deliver(uint32_t cell);
     /// A worker is done with a batch; cells that it did not deliver go back. True if idle workers are to ask again.
     bool finish(uint32_t batch, double now);
-    /// A worker is gone; what it had in hand goes back. True if cells wait: idle workers are to ask again.
+    /// A worker is gone; what it had in flight goes back. True if cells wait: idle workers are to ask again.
     bool lose(uint32_t worker);
 
     /// The time at which the next batch is overdue; infinite if none will be.
@@ -90,15 +90,15 @@ private:
     struct Worker {
         uint32_t device = 0;
         uint32_t pool = 0;
-        uint32_t silicon = 0;                                             // number of the first device on the same silicon
+        uint32_t hardware = 0;                                            // number of the first device on the same hardware
         double rate = 0.0, spread = 0.0, batchSeconds = 0.0, half = 0.0;  // half: of the round trip
         double guess = 0.0;                                               // of the rate while it is unknown
         double freeAt = 0.0;                                              // at the device, predicted
         double ready = 0.0;                                               // as counted in the pool's table
         State state = State::works;
         bool isCounted = false;  // in the pool's table
-        std::array<uint32_t, MOST_IN_HAND> inHand{};
-        uint32_t inHandCount = 0;
+        std::array<uint32_t, MOST_IN_FLIGHT> inFlight{};
+        uint32_t inFlightCount = 0;
 
         double counted() const { return rate > 0.0 ? rate : guess; }
     };

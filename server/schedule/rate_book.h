@@ -14,7 +14,7 @@ struct BatchRecord {
     double cost = 0.0;              // as it turned out
     double predictedSeconds = 0.0;  // of the worker, fixed cost included
     double deviceSeconds = 0.0;     // the device's own stamp: from the batch's start to its end there
-    /// Seen from outside: from hand-over, or the worker's previous end, to the result's arrival, less the round trip.
+    /// Seen from outside: from its call, or the worker's previous end, to the result's arrival, less the round trip.
     double busySeconds = 0.0;
 };
 

@@ -5,7 +5,7 @@
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/lab/effect_bench.h"
 #include "server/lab/hybrid_bench.h"
-#include "server/film/cell_reach.h"
+#include "server/film/cell_bounces.h"
 #include "server/render/device_set.h"
 #include "server/scene/generate/generate.h"
 
@@ -32,7 +32,7 @@ DeviceOffer offerOf(const Options& options, const std::string& gpu) {
     offer.make = [options](const std::string& word) {
         return word == "embree" ? makeEmbreeDevice() : makeVulkanDevice(word.substr(7), vulkanOptions(options));
     };
-    offer.spare = "embree";
+    offer.fallback = "embree";
     return offer;
 }
 
@@ -175,7 +175,7 @@ ordered_json benchReach(const Options& options) {
     for (const char* name : {"effects/no-mirror", "effects/small-mirror", "courtyard", "cathedral", "glass"}) {
         if (!wanted(options, name)) continue;
         auto scene = generated(name);
-        const auto reach = std::make_shared<ReachOfViews>(), nothing = std::make_shared<ReachOfViews>();
+        const auto reach = std::make_shared<ViewBounces>(), nothing = std::make_shared<ViewBounces>();
         auto device = makeVulkanDevice(options.device, vulkanOptions(options), reach);
         auto unknowing = makeVulkanDevice(options.device, vulkanOptions(options), nothing);
         device->load(scene, {}, {});

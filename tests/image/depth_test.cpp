@@ -21,7 +21,7 @@ double meets(const ViewRay& ray, dvec3 a, dvec3 b, dvec3 c) {
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : std::numeric_limits<double>::infinity();
 }
 
-double depthByHand(const Scene& scene, const ViewRay& ray) {
+double depthManual(const Scene& scene, const ViewRay& ray) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Instance& instance : scene.instances) {
         auto placed = [&](uint32_t vertex) {
@@ -47,7 +47,7 @@ void expectDepths(const char* name, uint32_t least) {
         for (double x : {0.13, 0.37, 0.51, 0.82}) {
             const ViewRay ray = viewRay(camera, 1.78, x, y);
             const DepthAnswer answer = test::cpu().depthAlong(ray);
-            const double expected = depthByHand(*scene, ray);
+            const double expected = depthManual(*scene, ray);
             ASSERT_TRUE(answer.known);
             ASSERT_EQ(answer.depth.has_value(), std::isfinite(expected)) << name << " " << x << " " << y;
             if (!answer.depth) continue;

@@ -21,11 +21,11 @@ TileResult made(const Tile& tile, const std::string& device, double stamp) {
 
 }  // namespace
 
-TeamDevice::TeamDevice(std::string name, uint32_t streams, std::string silicon)
-    : name_(std::move(name)), silicon_(silicon.empty() ? name_ : std::move(silicon)), streams_(streams) {}
+TeamDevice::TeamDevice(std::string name, uint32_t streams, std::string hardware)
+    : name_(std::move(name)), hardware_(hardware.empty() ? name_ : std::move(hardware)), streams_(streams) {}
 
 DeviceInfo TeamDevice::info() const {
-    DeviceInfo info{name_, "for tests", silicon_, streams_};
+    DeviceInfo info{name_, "for tests", hardware_, streams_};
     info.streams = streams_;
     info.batchSeconds = 1e-6;
     info.overlaps = overlaps;

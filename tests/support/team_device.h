@@ -11,12 +11,12 @@ namespace heliograph::test {
 
 class TeamDevice : public Device {
 public:
-    explicit TeamDevice(std::string name, uint32_t streams = 1, std::string silicon = {});
+    explicit TeamDevice(std::string name, uint32_t streams = 1, std::string hardware = {});
     DeviceInfo info() const override;
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override;
     void warmUp(const FrameRequest&) override;
     Warmth warmth(const FrameRequest&) const override {
-        return !cold ? Warmth::warm : standsBy ? Warmth::lukewarm : Warmth::cold;
+        return !cold ? Warmth::warm : standsBy ? Warmth::generic : Warmth::cold;
     }
     void standBy() override { standBys++; }
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override;
@@ -48,7 +48,7 @@ public:
 private:
     void waitHere();
 
-    const std::string name_, silicon_;
+    const std::string name_, hardware_;
     const uint32_t streams_;
     std::mutex mutex_;
     std::condition_variable changed_;

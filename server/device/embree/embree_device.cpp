@@ -66,7 +66,7 @@ public:
         info.details = "Embree " RTC_VERSION_STRING ", packets of " + std::to_string(width_) + ", shading built for x86-64-" +
                        tileProgramTable().instructionSet;
         for (const std::string& name : effectNames({tileProgramTable().leftOut})) info.details += ", without " + name;
-        info.silicon = "cpu";
+        info.hardware = "cpu";
         info.workers = static_cast<uint32_t>(tbb::this_task_arena::max_concurrency());
         info.streams = info.workers;
         info.batchSeconds = BATCH_SECONDS;

@@ -1,5 +1,5 @@
 #pragma once
-// A scene in Embree's hands: one geometry per placed mesh, instances where a mesh stands in several places, vertex and
+// A scene as Embree holds it: one geometry per placed mesh, instances where a mesh stands in several places, vertex and
 // index buffers shared with the scene, filter functions only where a surface is not opaque.
 
 #include "server/base/progress.h"

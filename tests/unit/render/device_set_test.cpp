@@ -119,7 +119,7 @@ struct Hybrid : ::testing::Test {
             return std::make_unique<Borrowed>(name == "embree" ? cpu : gpu);
         };
         offer.team = {"embree", "vulkan:0"};
-        offer.spare = "embree";
+        offer.fallback = "embree";
     }
     /// A device that the test keeps a hand on.
     struct Borrowed : Device {
@@ -298,7 +298,7 @@ TEST_F(Hybrid, TheSpareOfATracedDeviceIsGivenTheSceneInTheBackground) {
     settings.set("device", "embree");
     make(false);
     device.reset();
-    EXPECT_EQ(gpu.loads, 1u) << "the processor needs no spare";
+    EXPECT_EQ(gpu.loads, 1u) << "the processor needs no fallback";
 }
 
 TEST_F(Hybrid, ACommandLoadsNoSpare) {

@@ -26,8 +26,8 @@ constexpr uvec2 CELL(16, 16);
 struct Team : ::testing::Test {
     Team() { view.costs.begin(SIZE, CELL); }
 
-    std::shared_ptr<TeamDevice> add(const std::string& name, uint32_t streams = 1, const std::string& silicon = {}) {
-        devices.push_back(std::make_shared<TeamDevice>(name, streams, silicon));
+    std::shared_ptr<TeamDevice> add(const std::string& name, uint32_t streams = 1, const std::string& hardware = {}) {
+        devices.push_back(std::make_shared<TeamDevice>(name, streams, hardware));
         inside.push_back(std::make_shared<CallsInFlight>());
         blocked.emplace_back();
         return devices.back();
@@ -146,7 +146,7 @@ TEST_F(Team, WithoutThreadsTheFramesOwnThreadRenders) {
     int allowed = 0;
     TileScheduler poor([&](std::function<void()> body) {
         if (allowed-- <= 0) throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
-        WorkerCrew::startDetached(std::move(body));
+        WorkerPool::startDetached(std::move(body));
     });
     for (const char* name : {"one", "two"}) add(name, 2)->spins = 200;
     FrameRequest request;
@@ -277,7 +277,7 @@ TEST_F(Team, StoppingADeviceThatIsCalledOnceEndsTheFrame) {
     EXPECT_TRUE(result.failures.empty());
 }
 
-TEST_F(Team, OfDevicesOnTheSameSiliconTheFastestWorksAndTheReasonIsTold) {
+TEST_F(Team, OfDevicesOnTheSameHardwareTheFastestWorksAndTheReasonIsTold) {
     add("fast", 2, "cpu");
     add("slow", 1, "cpu")->spins = 300'000;
     render(0);  // the first in the list is measured first
@@ -306,7 +306,7 @@ TEST_F(Team, ABlockedDeviceGetsNothingAndSaysWhy) {
 
 TEST_F(Team, ManualBalanceCutsThePictureWhereTheShareSays) {
     add("embree", 2, "cpu");
-    add("vulkan:0", 1, "cpu");  // by hand, shared silicon is no reason
+    add("vulkan:0", 1, "cpu");  // by hand, shared hardware is no reason
     settings.set("hybridBalance", "manual");
     settings.hybridShare = 25;
     for (uint32_t sample = 0; sample < 3; sample++) EXPECT_TRUE(render(sample).missing.empty());

@@ -14,7 +14,7 @@ namespace {
 BalanceDevice device(const std::string& name, double rate, uint32_t workers = 1, double batchSeconds = 0.0) {
     BalanceDevice d;
     d.name = name;
-    d.silicon = name;
+    d.hardware = name;
     d.rate = rate;
     d.workers = workers;
     d.batchSeconds = batchSeconds;
@@ -35,9 +35,9 @@ TEST(Balance, TheBoundCountsOneFixedCostAndOneRoundTripADevice) {
     EXPECT_EQ(fractionalEnd({}, 1.0), std::numeric_limits<double>::infinity());
 }
 
-TEST(Balance, OfDevicesOnTheSameSiliconOnlyTheFastestWorks) {
+TEST(Balance, OfDevicesOnTheSameHardwareOnlyTheFastestWorks) {
     std::vector<BalanceDevice> devices{device("embree", 5.0, 2), device("vulkan:0", 3.0)};
-    devices[0].silicon = devices[1].silicon = "cpu";
+    devices[0].hardware = devices[1].hardware = "cpu";
     std::vector<DevicePart> parts = chooseParts(devices, 100.0);
     EXPECT_EQ(parts[0].part, Part::works);
     EXPECT_EQ(parts[1].part, Part::parked);
@@ -68,7 +68,7 @@ TEST(Balance, ADeviceThatCannotDeliverInTimeIsParked) {
 TEST(Balance, ManyWeakDevicesTogetherAreNotATail) {
     std::vector<BalanceDevice> devices;
     for (int i = 0; i < 1000; i++) devices.push_back(device("node", 1.0));
-    for (BalanceDevice& d : devices) d.silicon.clear();
+    for (BalanceDevice& d : devices) d.hardware.clear();
     for (const DevicePart& part : chooseParts(devices, 1e6)) EXPECT_EQ(part.part, Part::works);
     devices.push_back(device("weak", 0.09));
     std::vector<DevicePart> parts = chooseParts(devices, 1e6);
@@ -85,7 +85,7 @@ TEST(Balance, WhatIsNotKnownIsMeasuredAndMeasuredAgain) {
     EXPECT_EQ(again.part, Part::probes);
     EXPECT_EQ(again.reason.rfind("parked, measured again: all others", 0), 0u) << again.reason;
     // Measuring it would take processors away from one that is known.
-    devices[1].silicon = "gpu";
+    devices[1].hardware = "gpu";
     EXPECT_EQ(chooseParts(devices, 1e3)[1].reason, "shares its processors with gpu, which goes first");
 }
 
@@ -98,7 +98,7 @@ TEST(Balance, WhoeverIsParkedHasAReason) {
         for (int i = 0; i < count; i++) {
             const double rate = random() < 0.1 ? 0.0 : std::pow(10.0, 4.0 * random());
             devices.push_back(device("d" + std::to_string(i), rate, 1, 0.01 * random()));
-            devices.back().silicon = std::to_string(static_cast<int>(4 * random()));
+            devices.back().hardware = std::to_string(static_cast<int>(4 * random()));
             devices.back().roundTrip = 0.01 * random();
         }
         size_t working = 0;

@@ -37,7 +37,7 @@ public:
         DeviceInfo info;
         info.name = device_name::raster;
         info.details = "raster preview on " + gpu_.physical().name;
-        info.silicon = gpu_.physical().isCpu() ? "cpu" : "gpu:" + std::to_string(gpu_.physical().index);
+        info.hardware = gpu_.physical().isCpu() ? "cpu" : "gpu:" + std::to_string(gpu_.physical().index);
         info.workers = 1 << 16;  // a picture is drawn whole: it should come in one piece
         return info;
     }

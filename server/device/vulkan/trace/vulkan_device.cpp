@@ -30,23 +30,23 @@ constexpr size_t IN_FLIGHT = 2;
 constexpr size_t MOST_PIPELINES = 64;                           // programs for sets of effects that are kept
 constexpr int ADDERS = 2;                                       // threads of a stream that add its results to the film
 constexpr uint64_t OVERLAPPED = 4;                              // batches of a frame on a GPU
-constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to reach its clock
+constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to raise its clock
 
 class VulkanDevice : public Device {
 public:
-    VulkanDevice(const std::string& which, const VulkanOptions& options, std::shared_ptr<ReachOfViews> reach)
+    VulkanDevice(const std::string& which, const VulkanOptions& options, std::shared_ptr<ViewBounces> bounces)
         : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all),
           context_(vulkanContext(options)),
           gpu_(context_, context_->find(which)),
           pipelines_(gpu_, GpuScene::widthFor(gpu_.physical()), IN_FLIGHT * TREE_QUALITIES),
           alwaysStandsBy_(options.alwaysStandsBy),
-          reach_(std::move(reach)) {
+          bounces_(std::move(bounces)) {
         if (gpu_.physical().isCpu()) size_ = {0.1, 1 << 12, 1 << 18};
         if (uint64_t fixed = options.batchSamples) size_.least = size_.most = fixed;
         name_ = numberedDevice(device_name::vulkan, gpu_.physical().index);
-        silicon_ = !gpu_.physical().isCpu() ? "gpu:" + std::to_string(gpu_.physical().index)
-                   : options.lastCoreOnly   ? "last core"
-                                            : "cpu";
+        hardware_ = !gpu_.physical().isCpu() ? "gpu:" + std::to_string(gpu_.physical().index)
+                    : options.lastCoreOnly   ? "last core"
+                                             : "cpu";
         pinned_.restore();
     }
 
@@ -57,7 +57,7 @@ public:
         DeviceInfo info;
         info.name = name_;
         info.details = physical.name + ", " + physical.driver + ", Vulkan " + physical.api;
-        info.silicon = silicon_;
+        info.hardware = hardware_;
         info.workers = physical.isCpu() ? 4 : 128;
         // While one batch is traced, the host adds the other one to the film.
         info.streams = physical.isCpu() ? 1 : 2;
@@ -80,7 +80,7 @@ public:
             loads_++;
         }
         source_ = std::move(scene);
-        reach_->forget();
+        bounces_->forget();
         try {
             Resident& resident = residentFor(settings, progress);
             report(progress, "warming up", 0.95);
@@ -112,7 +112,7 @@ public:
 
     void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                       std::stop_token stop) override {
-        for (TraceWork work{tiles, reachOf(request)}; !work.done() && !stop.stop_requested();) {
+        for (TraceWork work{tiles, bouncesOf(request)}; !work.done() && !stop.stop_requested();) {
             Batch* batch = nullptr;
             try {
                 batch = submitNext(request, work);
@@ -157,7 +157,7 @@ public:
     Warmth warmth(const FrameRequest& request) const override {
         std::lock_guard lock(warmMutex_);
         if (warm_.contains(warmKey(request))) return Warmth::warm;
-        return general_ && general_->serves(request) ? Warmth::lukewarm : Warmth::cold;
+        return general_ && general_->serves(request) ? Warmth::generic : Warmth::cold;
     }
 
     void standBy() override {
@@ -306,8 +306,8 @@ private:
         return pathsGoOn(request.effects) ? pipelines_.find(firstSurfaceOf(kindFor(*resident.scene, request))) : VK_NULL_HANDLE;
     }
     /// Null where paths never go on.
-    std::shared_ptr<CellReach> reachOf(const FrameRequest& request) {
-        return pathsGoOn(request.effects) ? reach_->of(request) : nullptr;
+    std::shared_ptr<CellBounces> bouncesOf(const FrameRequest& request) {
+        return pathsGoOn(request.effects) ? bounces_->of(request) : nullptr;
     }
     static TracePipelines::Kind firstSurfaceOf(TracePipelines::Kind kind) {
         kind.firstSurface = true;
@@ -326,7 +326,7 @@ private:
         VkPipeline pipeline = pipelineFor(resident, request);
         VkPipeline firstSurface = firstSurfaceFor(resident, request);
         const uint64_t wanted = wantedSamples(tiles);
-        TraceWork work{tiles, reachOf(request)};
+        TraceWork work{tiles, bouncesOf(request)};
         for (size_t turn = 0;; turn++) {
             Batch& batch = *resident.batches[turn % IN_FLIGHT];
             if (batch.inFlight()) deliver(batch, work, sink);
@@ -406,14 +406,14 @@ private:
     CoreLimit pinned_;  // first: threads that start below stay where it is
     std::shared_ptr<VulkanContext> context_;
     Gpu gpu_;
-    std::string name_, silicon_;
+    std::string name_, hardware_;
     TracePipelines pipelines_;
     std::shared_ptr<const Scene> source_;
     std::map<uint32_t, Resident> residents_;  // by treeQuality
     BatchSize size_;
     std::atomic<double> batchSeconds_{0.0};
     const bool alwaysStandsBy_;
-    const std::shared_ptr<ReachOfViews> reach_;
+    const std::shared_ptr<ViewBounces> bounces_;
     mutable std::mutex warmMutex_;
     std::optional<General> general_;
     uint32_t loads_ = 0;      // scenes so far
@@ -426,8 +426,8 @@ private:
 }  // namespace
 
 std::unique_ptr<Device> makeVulkanDevice(const std::string& which, const VulkanOptions& options,
-                                         std::shared_ptr<ReachOfViews> reach) {
-    return std::make_unique<VulkanDevice>(which, options, std::move(reach));
+                                         std::shared_ptr<ViewBounces> bounces) {
+    return std::make_unique<VulkanDevice>(which, options, std::move(bounces));
 }
 
 std::vector<PhysicalDevice> listVulkanDevices(std::string& why) {

@@ -3,7 +3,7 @@
 #include "server/device/vulkan/core/pipeline_store.h"
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
-#include "server/film/cell_reach.h"
+#include "server/film/cell_bounces.h"
 #include "tests/support/direct_renderer.h"
 #include "server/scene/load/scene_source.h"
 
@@ -166,9 +166,9 @@ TEST(GeneralPipeline, MakesTheSamePictureUntilTheRequestHasItsOwn) {
     EXPECT_EQ(device->warmth(few), Warmth::cold);
     device->standBy();
     for (const FrameRequest& request : {few, many}) {
-        EXPECT_EQ(device->warmth(request), Warmth::lukewarm);
+        EXPECT_EQ(device->warmth(request), Warmth::generic);
         const std::vector<vec4> general = picture(*device, request);
-        EXPECT_EQ(device->warmth(request), Warmth::lukewarm) << "nothing was compiled for it";
+        EXPECT_EQ(device->warmth(request), Warmth::generic) << "nothing was compiled for it";
         device->warmUp(request);
         EXPECT_EQ(device->warmth(request), Warmth::warm);
         EXPECT_TRUE(same(general, picture(*device, request)));
@@ -219,7 +219,7 @@ protected:
     }
 
     std::shared_ptr<const Scene> scene_ = openScene("effects/small-mirror");
-    std::shared_ptr<ReachOfViews> reach_ = std::make_shared<ReachOfViews>();
+    std::shared_ptr<ViewBounces> reach_ = std::make_shared<ViewBounces>();
     std::unique_ptr<Device> device_ = makeVulkanDevice("", standingBy(), reach_);
     FrameRequest request_;
     std::vector<Tile> tiles_;
@@ -258,7 +258,7 @@ TEST(GeneralPipeline, AProcessorNeedsNone) {
     VulkanOptions options = standingBy();
     options.alwaysStandsBy = false;
     auto device = makeVulkanDevice("", options);
-    if (device->info().silicon != "cpu") GTEST_SKIP() << "the best device here is " << device->info().details;
+    if (device->info().hardware != "cpu") GTEST_SKIP() << "the best device here is " << device->info().details;
     const auto scene = openScene("cornell");
     device->load(scene, {}, {});
     device->standBy();

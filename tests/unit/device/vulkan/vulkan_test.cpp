@@ -333,7 +333,7 @@ std::unique_ptr<Renderer> withSpare(std::function<std::unique_ptr<Device>()> mak
     offer.words = {"vulkan:0", "embree"};
     offer.nameOf = [](const Settings&) { return "vulkan:0"; };
     offer.make = [make](const std::string& name) { return name == "embree" ? makeEmbreeDevice() : make(); };
-    offer.spare = "embree";
+    offer.fallback = "embree";
     DeviceSetOptions options;
     options.notice = [&told](const std::string&, const std::string& what) { told = what; };
     return makeDeviceSet(std::move(offer), scheduler, std::move(options));

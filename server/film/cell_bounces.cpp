@@ -1,4 +1,4 @@
-#include "server/film/cell_reach.h"
+#include "server/film/cell_bounces.h"
 
 #include <algorithm>
 
@@ -19,7 +19,7 @@ uint32_t squares(uint32_t pixels) { return (pixels + SQUARE - 1) / SQUARE; }
 
 }  // namespace
 
-CellReach::CellReach(uvec2 resolution, const CellReach* near)
+CellBounces::CellBounces(uvec2 resolution, const CellBounces* near)
     : resolution_(resolution), known_(size_t(squares(resolution.x)) * squares(resolution.y) + 1) {
     const uint32_t stepX = near ? near->pitchX_.load() : 0, stepY = near ? near->pitchY_.load() : 0;
     if (stepX == 0 || stepY == 0) return;
@@ -36,12 +36,12 @@ CellReach::CellReach(uvec2 resolution, const CellReach* near)
     }
 }
 
-std::atomic<CellReach::Known>& CellReach::at(const Tile& tile) const {
+std::atomic<CellBounces::Known>& CellBounces::at(const Tile& tile) const {
     if (tile.origin.x >= resolution_.x || tile.origin.y >= resolution_.y) return known_.back();
     return known_[size_t(tile.origin.y / SQUARE) * squares(resolution_.x) + tile.origin.x / SQUARE];
 }
 
-void CellReach::note(const TileResult& result) {
+void CellBounces::note(const TileResult& result) {
     const bool goesOn = result.rays[RayKind::reflection] + result.rays[RayKind::refraction] > 0;
     std::atomic<Known>& known = at(result.tile);
     if (&known == &known_.back()) return;
@@ -54,12 +54,12 @@ void CellReach::note(const TileResult& result) {
         known.compare_exchange_strong(before, Known::ends, std::memory_order_relaxed);
 }
 
-bool CellReach::endsAtOnce(const Tile& tile) const {
+bool CellBounces::endsAtOnce(const Tile& tile) const {
     const Known known = at(tile).load(std::memory_order_relaxed);
     return known == Known::ends || known == Known::guessed;
 }
 
-std::shared_ptr<CellReach> ReachOfViews::of(const FrameRequest& request) {
+std::shared_ptr<CellBounces> ViewBounces::of(const FrameRequest& request) {
     const View view{request.camera, request.previousCamera, request.effects.bits, request.resolution};
     std::lock_guard lock(mutex_);
     const auto same = std::ranges::find(views_, view, [](const auto& known) -> const View& { return known.first; });
@@ -71,13 +71,13 @@ std::shared_ptr<CellReach> ReachOfViews::of(const FrameRequest& request) {
         return known.first.effects == view.effects && known.first.resolution == view.resolution &&
                nearby(known.first.camera, view.camera);
     });
-    auto reach = std::make_shared<CellReach>(request.resolution, near != views_.end() ? near->second.get() : nullptr);
+    auto bounces = std::make_shared<CellBounces>(request.resolution, near != views_.end() ? near->second.get() : nullptr);
     if (views_.size() == MOST) views_.pop_back();
-    views_.emplace_front(view, reach);
-    return reach;
+    views_.emplace_front(view, bounces);
+    return bounces;
 }
 
-void ReachOfViews::forget() {
+void ViewBounces::forget() {
     std::lock_guard lock(mutex_);
     views_.clear();
 }

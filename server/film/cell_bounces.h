@@ -16,11 +16,11 @@
 namespace heliograph {
 
 /// Of one view: nothing that it depends on changes. All from any thread.
-class CellReach {
+class CellBounces {
 public:
     /// `near`: of a view nearby, of the same size. Tiles that ended at once there, with all of their neighbours, are guessed to do
     /// so here.
-    explicit CellReach(uvec2 resolution, const CellReach* near = nullptr);
+    explicit CellBounces(uvec2 resolution, const CellBounces* near = nullptr);
 
     void note(const TileResult& result);
     /// Whether every path of that tile has ended at its first surface, in all passes so far, or is guessed to; false where
@@ -39,9 +39,9 @@ private:
 
 /// Of the views that were rendered last: the same while a view is the same (camera, effects, size), a new one when anything has
 /// moved. After a small move of the camera alone it begins with a guess. All from any thread.
-class ReachOfViews {
+class ViewBounces {
 public:
-    std::shared_ptr<CellReach> of(const FrameRequest& request);
+    std::shared_ptr<CellBounces> of(const FrameRequest& request);
     /// The scene is another one.
     void forget();
 
@@ -56,7 +56,7 @@ private:
         bool operator==(const View&) const = default;
     };
     std::mutex mutex_;
-    std::deque<std::pair<View, std::shared_ptr<CellReach>>> views_;  // the latest first
+    std::deque<std::pair<View, std::shared_ptr<CellBounces>>> views_;  // the latest first
 };
 
 }  // namespace heliograph

@@ -1,4 +1,4 @@
-#include "server/render/worker_crew.h"
+#include "server/render/worker_pool.h"
 
 #include "server/base/log.h"
 
@@ -13,7 +13,7 @@ constexpr auto PATIENCE = std::chrono::seconds(5);
 
 }  // namespace
 
-struct WorkerCrew::Shared {
+struct WorkerPool::Shared {
     struct Member {
         std::condition_variable called;
         std::function<void()> task;
@@ -46,11 +46,11 @@ struct WorkerCrew::Shared {
     }
 };
 
-void WorkerCrew::startDetached(std::function<void()> body) { std::thread(std::move(body)).detach(); }
+void WorkerPool::startDetached(std::function<void()> body) { std::thread(std::move(body)).detach(); }
 
-WorkerCrew::WorkerCrew(StartThread startThread) : shared_(std::make_shared<Shared>()), startThread_(std::move(startThread)) {}
+WorkerPool::WorkerPool(StartThread startThread) : shared_(std::make_shared<Shared>()), startThread_(std::move(startThread)) {}
 
-WorkerCrew::~WorkerCrew() {
+WorkerPool::~WorkerPool() {
     std::unique_lock lock(shared_->mutex);
     shared_->over = true;
     for (Shared::Member* member : shared_->idle) member->called.notify_one();
@@ -58,7 +58,7 @@ WorkerCrew::~WorkerCrew() {
     if (shared_->alive > 0) log().warn("{} threads are still inside a device and are left there", shared_->alive);
 }
 
-void WorkerCrew::run(std::function<void()> task) {
+void WorkerPool::run(std::function<void()> task) {
     std::unique_lock lock(shared_->mutex);
     if (shared_->idle.empty()) {
         // The new thread waits for the lock: it is counted before it can end, and only if there is one.

@@ -1,4 +1,4 @@
-#include "server/film/cell_reach.h"
+#include "server/film/cell_bounces.h"
 
 #include <gtest/gtest.h>
 
@@ -22,8 +22,8 @@ TileResult resultAt(uint32_t x, uint32_t y, uint64_t reflections, uint64_t refra
     return result;
 }
 
-TEST(CellReach, KnowsWhichTilesSentNoPathOn) {
-    CellReach reach(uvec2(100, 60));
+TEST(CellBounces, KnowsWhichTilesSentNoPathOn) {
+    CellBounces reach(uvec2(100, 60));
     EXPECT_FALSE(reach.endsAtOnce(tileAt(0, 0))) << "nothing is known yet";
     reach.note(resultAt(0, 0, 0));
     reach.note(resultAt(32, 0, 3));
@@ -34,16 +34,16 @@ TEST(CellReach, KnowsWhichTilesSentNoPathOn) {
     EXPECT_FALSE(reach.endsAtOnce(tileAt(96, 32))) << "nobody has been there";
 }
 
-TEST(CellReach, OneSampleThatWentOnIsRemembered) {
-    CellReach reach(uvec2(100, 60));
+TEST(CellBounces, OneSampleThatWentOnIsRemembered) {
+    CellBounces reach(uvec2(100, 60));
     reach.note(resultAt(0, 0, 0));
     reach.note(resultAt(0, 0, 1));
     reach.note(resultAt(0, 0, 0));
     EXPECT_FALSE(reach.endsAtOnce(tileAt(0, 0)));
 }
 
-TEST(CellReach, TilesOutsideOfTheViewAreUnknown) {
-    CellReach reach(uvec2(33, 9));
+TEST(CellBounces, TilesOutsideOfTheViewAreUnknown) {
+    CellBounces reach(uvec2(33, 9));
     for (const uvec2 origin : {uvec2(40, 0), uvec2(0, 16), uvec2(4000, 4000)}) {
         reach.note(resultAt(origin.x, origin.y, 0));
         EXPECT_FALSE(reach.endsAtOnce(tileAt(origin.x, origin.y)));
@@ -53,15 +53,15 @@ TEST(CellReach, TilesOutsideOfTheViewAreUnknown) {
 }
 
 /// Of a picture of 5 x 4 tiles whose tile in the middle of the left column went on.
-std::shared_ptr<CellReach> mirrorAtTheLeft(ReachOfViews& reaches, const FrameRequest& request) {
+std::shared_ptr<CellBounces> mirrorAtTheLeft(ViewBounces& reaches, const FrameRequest& request) {
     const auto reach = reaches.of(request);
     for (uint32_t y = 0; y < 128; y += 32)
         for (uint32_t x = 0; x < 160; x += 32) reach->note(resultAt(x, y, x == 0 && y == 64 ? 1 : 0));
     return reach;
 }
 
-TEST(ReachOfViews, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
-    ReachOfViews reaches;
+TEST(ViewBounces, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
+    ViewBounces reaches;
     FrameRequest request = requestOf(uvec2(160, 128));
     mirrorAtTheLeft(reaches, request);
     request.camera.position.x += 0.1f;
@@ -77,10 +77,10 @@ TEST(ReachOfViews, AfterASmallMoveTilesFarFromWhatWentOnAreGuessed) {
     EXPECT_FALSE(reaches.of(request)->endsAtOnce(tileAt(64, 64))) << "it was never looked at";
 }
 
-TEST(ReachOfViews, NothingIsGuessedAfterAJumpOrAnotherChange) {
+TEST(ViewBounces, NothingIsGuessedAfterAJumpOrAnotherChange) {
     const FrameRequest first = requestOf(uvec2(160, 128));
     const auto guessedAfter = [&](auto change) {
-        ReachOfViews reaches;
+        ViewBounces reaches;
         FrameRequest request = first;
         mirrorAtTheLeft(reaches, request);
         change(request);
@@ -95,8 +95,8 @@ TEST(ReachOfViews, NothingIsGuessedAfterAJumpOrAnotherChange) {
     EXPECT_FALSE(guessedAfter([](FrameRequest& r) { r.resolution = uvec2(161, 128); }));
 }
 
-TEST(ReachOfViews, LastsUntilSomethingChanges) {
-    ReachOfViews reaches;
+TEST(ViewBounces, LastsUntilSomethingChanges) {
+    ViewBounces reaches;
     const FrameRequest first = requestOf();
     const auto keptAfter = [&](const FrameRequest& second) {
         const auto before = reaches.of(first);
@@ -120,8 +120,8 @@ TEST(ReachOfViews, LastsUntilSomethingChanges) {
     EXPECT_NE(reaches.of(first), before) << "another scene";
 }
 
-TEST(ReachOfViews, RemembersTheLatestSixteen) {
-    ReachOfViews reaches;
+TEST(ViewBounces, RemembersTheLatestSixteen) {
+    ViewBounces reaches;
     FrameRequest request = requestOf(uvec2(64, 64));
     auto viewAt = [&](int i) {
         request.camera.position.x = static_cast<float>(i);

@@ -10,17 +10,17 @@
 
 namespace heliograph {
 
-class WorkerCrew {
+class WorkerPool {
 public:
     /// Starts a detached thread; throws std::system_error when there is none to be had.
     using StartThread = std::function<void(std::function<void()>)>;
     static void startDetached(std::function<void()> body);
 
-    explicit WorkerCrew(StartThread startThread = startDetached);
+    explicit WorkerPool(StartThread startThread = startDetached);
     /// Waits for the tasks in progress, though not for ever: a thread that has not come back after some seconds is left to
     /// itself and to what its task holds.
-    ~WorkerCrew();
-    WorkerCrew(const WorkerCrew&) = delete;
+    ~WorkerPool();
+    WorkerPool(const WorkerPool&) = delete;
 
     /// Runs the task on a thread that has nothing else to do. Tasks must not throw. Throws std::system_error when a thread
     /// would be needed and the system has none; the task has not begun then.
