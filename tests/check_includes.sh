@@ -27,12 +27,13 @@ device/vulkan/raster base kernel scene request film device device/vulkan/core de
 device/vulkan/bench  base kernel scene request film device device/vulkan/core device/vulkan/tree device/vulkan/trace
 device/remote        base kernel scene request film device pool
 encode               base kernel images
-net                  base kernel scene request
+net/guard            base
+net                  base kernel scene request net/guard
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
-stream               base kernel scene scene/load request film device schedule render encode net
-operations           base kernel scene request film net stream
-app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net pool lab stream operations
+stream               base kernel scene scene/load request film device schedule render encode net net/guard
+operations           base kernel scene request film net net/guard stream
+app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard pool lab stream operations
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...

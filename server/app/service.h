@@ -3,7 +3,7 @@
 
 #include "server/app/scene_cache.h"
 #include "server/base/log.h"
-#include "server/net/rate_limit.h"
+#include "server/net/guard/rate_limit.h"
 #include "server/net/socket_server.h"
 #include "server/operations/liveness.h"
 #include "server/operations/readiness.h"

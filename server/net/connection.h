@@ -2,7 +2,7 @@
 // One WebSocket connection: what waits to be written, and the pieces of the message that is just arriving. Knows nothing
 // of libwebsockets; socket_server moves its bytes.
 
-#include "server/net/rate_limit.h"
+#include "server/net/guard/rate_limit.h"
 #include "server/net/viewer_socket.h"
 
 #include <deque>

@@ -1,7 +1,7 @@
 #pragma once
 // What can be said of a port and its certificate before the library takes them: it only says that it failed.
 
-#include "server/net/origin.h"
+#include "server/net/guard/origin.h"
 
 struct ssl_ctx_st;  // OpenSSL's SSL_CTX
 

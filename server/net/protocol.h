@@ -3,7 +3,7 @@
 // it, and the header that goes before each picture. Pure functions, no sockets. What the server says is in messages.h.
 
 #include "server/base/error.h"
-#include "server/net/limits.h"
+#include "server/net/guard/limits.h"
 #include "server/request/camera.h"
 
 #include <nlohmann/json.hpp>

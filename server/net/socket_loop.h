@@ -2,11 +2,11 @@
 // The thread that serves all connections, over libwebsockets: socket_server.cpp begins and ends it, socket_http.cpp answers
 // requests, socket_viewers.cpp moves what viewers say and are sent.
 
-#include "server/net/admission.h"
+#include "server/net/guard/admission.h"
 #include "server/net/connection.h"
 #include "server/net/socket_server.h"
-#include "server/net/token.h"
-#include "server/net/write_watch.h"
+#include "server/net/guard/token.h"
+#include "server/net/guard/write_watch.h"
 
 #include <libwebsockets.h>
 #include <openssl/ssl.h>

@@ -3,7 +3,7 @@
 // over WebSocket on /ws. One thread serves all connections; other threads only wake it (lws_cancel_service).
 
 #include "server/net/client_files.h"
-#include "server/net/origin.h"
+#include "server/net/guard/origin.h"
 #include "server/net/viewer_socket.h"
 
 #include <memory>

@@ -2,7 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/base/log.h"
-#include "server/net/origin.h"
+#include "server/net/guard/origin.h"
 #include "server/request/settings.h"
 
 #include <algorithm>

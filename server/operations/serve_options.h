@@ -2,7 +2,7 @@
 // All that an operator may say to `serve`: one row an option. The flag, the environment variable, the key of heliograph.toml,
 // the help, the range and the reference page follow from the row.
 
-#include "server/net/limits.h"
+#include "server/net/guard/limits.h"
 
 #include <span>
 #include <string>

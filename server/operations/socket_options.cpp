@@ -1,7 +1,7 @@
 #include "server/operations/socket_options.h"
 
 #include "server/base/error.h"
-#include "server/net/token.h"
+#include "server/net/guard/token.h"
 
 #include <filesystem>
 

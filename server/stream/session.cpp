@@ -3,7 +3,7 @@
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/film/film_shares.h"
-#include "server/net/token.h"
+#include "server/net/guard/token.h"
 
 #include <algorithm>
 

@@ -1,10 +1,10 @@
 // Who may come in and who gives way.
 
-#include "server/net/admission.h"
+#include "server/net/guard/admission.h"
 
-#include "server/net/limits.h"
-#include "server/net/origin.h"
-#include "server/net/token.h"
+#include "server/net/guard/limits.h"
+#include "server/net/guard/origin.h"
+#include "server/net/guard/token.h"
 
 #include <gtest/gtest.h>
 

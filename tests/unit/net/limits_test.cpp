@@ -1,4 +1,4 @@
-#include "server/net/limits.h"
+#include "server/net/guard/limits.h"
 
 #include "tests/support/places.h"
 

@@ -2,9 +2,9 @@
 
 #include "server/base/error.h"
 #include "server/net/client_files.h"
-#include "server/net/origin.h"
-#include "server/net/rate_limit.h"
-#include "server/net/token.h"
+#include "server/net/guard/origin.h"
+#include "server/net/guard/rate_limit.h"
+#include "server/net/guard/token.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/net/write_watch.h"
+#include "server/net/guard/write_watch.h"
 
 #include <linux/tcp.h>
 #include <netinet/in.h>

@@ -1,4 +1,4 @@
-#include "server/net/origin.h"
+#include "server/net/guard/origin.h"
 
 #include "server/base/error.h"
 

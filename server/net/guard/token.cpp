@@ -1,7 +1,7 @@
-#include "server/net/token.h"
+#include "server/net/guard/token.h"
 
 #include "server/base/error.h"
-#include "server/net/limits.h"
+#include "server/net/guard/limits.h"
 
 #include <sys/stat.h>
 
