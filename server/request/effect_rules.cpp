@@ -181,6 +181,9 @@ Finding byItsMaterial(const Usage& usage, const char* lack, const std::function<
     return byMaterial(usage, lack, [&](uint32_t m) { return wanted(usage.scene.materials[m]); });
 }
 
+/// What the table names in its column `rule`.
+namespace rules {
+
 /// For what is the viewer's choice alone: called for wherever there is something to see.
 Finding anywhere(const Usage& usage) {
     if (usage.triangles == 0) return {false, "no triangles"};
@@ -193,9 +196,6 @@ Finding onLitSurfaces(const Usage& usage) {
     if (surface.calledFor) surface.because += "; the viewer chooses";
     return surface;
 }
-
-/// The rule of each row of the table, by its name.
-namespace rules {
 
 Finding shadows(const Usage& usage) {
     const Scene& scene = usage.scene;
@@ -273,11 +273,6 @@ Finding absorption(const Usage& usage) {
     });
 }
 
-Finding ambientOcclusion(const Usage& usage) { return onLitSurfaces(usage); }
-Finding indirectLight(const Usage& usage) { return onLitSurfaces(usage); }
-Finding depthOfField(const Usage& usage) { return anywhere(usage); }
-Finding motionBlur(const Usage& usage) { return anywhere(usage); }
-Finding fog(const Usage& usage) { return anywhere(usage); }
 Finding textures(const Usage& usage) { return byItsMaterial(usage, "no material has a texture", hasTexture); }
 Finding normalMaps(const Usage& usage) { return byItsMaterial(usage, "no normal or bump image", bumpy); }
 
@@ -334,7 +329,7 @@ std::vector<EffectReason> explainEffects(const Scene& scene) {
     const Usage usage(scene);
     std::vector<EffectReason> reasons;
     std::vector<Finding> findings;
-#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) findings.push_back(rules::name(usage));
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) findings.push_back(rules::rule(usage));
 #include "shaders/kernel/effect_table.glsl"
     for (size_t i = 0; i < findings.size(); i++) {
         const EffectRow& row = effectRows()[i];

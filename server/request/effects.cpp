@@ -17,7 +17,7 @@ constexpr Amount amountOf(Amount setting) { return setting; }
 constexpr Amount amountOf(bool Named::*) { return nullptr; }
 
 constexpr EffectRow ROWS[] = {
-#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) \
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) \
     {CONSTANT,                                                             \
      #name,                                                                \
      switchOf(&Named::setting) ? std::string_view(#setting) : "",          \
@@ -29,7 +29,7 @@ constexpr EffectRow ROWS[] = {
 };
 
 // `allowedEffects` goes through the rows once.
-#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) \
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) \
     static_assert((parent) < CONSTANT, #name ": its parent has to stand in an earlier row");
 #include "shaders/kernel/effect_table.glsl"
 

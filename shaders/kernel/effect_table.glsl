@@ -1,30 +1,31 @@
-// One row per effect: EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help). The including file defines EFFECT; the table
-// undefines it.
-// A scene calls for an effect by the rule of its name (request/effect_rules), a viewer's settings allow it (request/effects); what
-// is not in both costs no ray.
+// One row per effect: EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help). The including file defines
+// EFFECT; the table undefines it.
+// A scene calls for an effect by its rule (request/effect_rules), a viewer's settings allow it (request/effects); what is not
+// in both costs no ray.
 // setting: the switch that allows it. parent: constant of an effect of an earlier row that must be allowed too, or 0. positive: a
 // setting that must be above 0. `none` where there is no such setting.
+// rule: a function of request/effect_rules.cpp; `anywhere` where the viewer alone chooses.
 // tier: the first of the CPU's tile programs that has it compiled in (tile_programs_isa.cpp): plain, mirrors, occlusion, sharp, everything.
-EFFECT(0, EFFECT_SHADOWS, shadows, shadows, 0, none, plain, "Shadows: one ray per light and hit.")
-EFFECT(1, EFFECT_TRANSPARENT_SHADOWS, transparentShadows, shadows, 0, none, sharp, "Shadow rays pass transparent surfaces and take their colour.")
-EFFECT(2, EFFECT_REFLECTIONS, reflections, reflections, 0, none, mirrors, "Mirror reflections on smooth metals, glass and polished surfaces.")
-EFFECT(3, EFFECT_REFRACTIONS, refractions, refractions, 0, none, sharp, "Refraction through transmissive surfaces.")
-EFFECT(4, EFFECT_AMBIENT_OCCLUSION, ambientOcclusion, ambientOcclusion, 0, aoRadius, occlusion, "Ambient light is darkened where near geometry hides the sky.")
-EFFECT(5, EFFECT_ENVIRONMENT_IMAGE, environment, environment, 0, none, plain, "A lat-long image surrounds the scene.")
-EFFECT(6, EFFECT_TEXTURES, textures, none, 0, none, plain, "Images on surfaces.")
-EFFECT(7, EFFECT_NORMAL_MAPS, normalMaps, none, 0, none, mirrors, "Normal or bump images tilt the shading normal.")
-EFFECT(8, EFFECT_VERTEX_COLORS, vertexColors, none, 0, none, sharp, "Colours stored at vertices.")
-EFFECT(9, EFFECT_ALPHA_MASK, alphaMask, none, 0, none, sharp, "Cut-out surfaces: a texel is there or not.")
-EFFECT(10, EFFECT_ALPHA_BLEND, alphaBlend, none, 0, none, sharp, "Surfaces that let a part of the light straight through.")
-EFFECT(11, EFFECT_ABSORPTION, absorption, refractions, 0, none, sharp, "Coloured glass darkens with the distance travelled in it (Beer-Lambert).")
-EFFECT(12, EFFECT_EMISSION, emission, none, 0, none, plain, "Surfaces that glow.")
-EFFECT(13, EFFECT_INSTANCING, instancing, none, 0, none, sharp, "One mesh stands in several places.")
-EFFECT(14, EFFECT_TANGENTS, tangents, none, 0, none, mirrors, "Tangents stored at vertices steer the normal maps.")
-EFFECT(15, EFFECT_SECOND_UV, secondTextureCoordinates, none, 0, none, sharp, "A texture uses the second set of coordinates.")
-EFFECT(16, EFFECT_SOFT_SHADOWS, softShadows, softShadows, EFFECT_SHADOWS, none, everything, "Lights with an extent throw shadows with soft edges: several rays per light and hit.")
-EFFECT(17, EFFECT_DEPTH_OF_FIELD, depthOfField, depthOfField, 0, aperture, everything, "What is not at the focus distance is blurred, as by a lens.")
-EFFECT(18, EFFECT_FOG, fog, fog, 0, fogDensity, everything, "The air dims what is far and shows the light that falls through it.")
-EFFECT(19, EFFECT_GLOSSY_REFLECTIONS, glossyReflections, glossyReflections, EFFECT_REFLECTIONS, none, everything, "Surfaces between smooth and rough reflect blurred.")
-EFFECT(20, EFFECT_MOTION_BLUR, motionBlur, motionBlur, 0, shutter, everything, "A moving camera blurs the picture along its way.")
-EFFECT(21, EFFECT_INDIRECT_LIGHT, indirectLight, indirectLight, 0, none, everything, "Surfaces light each other: one bounce instead of the ambient light.")
+EFFECT(0, EFFECT_SHADOWS, shadows, shadows, 0, none, shadows, plain, "Shadows: one ray per light and hit.")
+EFFECT(1, EFFECT_TRANSPARENT_SHADOWS, transparentShadows, shadows, 0, none, transparentShadows, sharp, "Shadow rays pass transparent surfaces and take their colour.")
+EFFECT(2, EFFECT_REFLECTIONS, reflections, reflections, 0, none, reflections, mirrors, "Mirror reflections on smooth metals, glass and polished surfaces.")
+EFFECT(3, EFFECT_REFRACTIONS, refractions, refractions, 0, none, refractions, sharp, "Refraction through transmissive surfaces.")
+EFFECT(4, EFFECT_AMBIENT_OCCLUSION, ambientOcclusion, ambientOcclusion, 0, aoRadius, onLitSurfaces, occlusion, "Ambient light is darkened where near geometry hides the sky.")
+EFFECT(5, EFFECT_ENVIRONMENT_IMAGE, environment, environment, 0, none, environment, plain, "A lat-long image surrounds the scene.")
+EFFECT(6, EFFECT_TEXTURES, textures, none, 0, none, textures, plain, "Images on surfaces.")
+EFFECT(7, EFFECT_NORMAL_MAPS, normalMaps, none, 0, none, normalMaps, mirrors, "Normal or bump images tilt the shading normal.")
+EFFECT(8, EFFECT_VERTEX_COLORS, vertexColors, none, 0, none, vertexColors, sharp, "Colours stored at vertices.")
+EFFECT(9, EFFECT_ALPHA_MASK, alphaMask, none, 0, none, alphaMask, sharp, "Cut-out surfaces: a texel is there or not.")
+EFFECT(10, EFFECT_ALPHA_BLEND, alphaBlend, none, 0, none, alphaBlend, sharp, "Surfaces that let a part of the light straight through.")
+EFFECT(11, EFFECT_ABSORPTION, absorption, refractions, 0, none, absorption, sharp, "Coloured glass darkens with the distance travelled in it (Beer-Lambert).")
+EFFECT(12, EFFECT_EMISSION, emission, none, 0, none, emission, plain, "Surfaces that glow.")
+EFFECT(13, EFFECT_INSTANCING, instancing, none, 0, none, instancing, sharp, "One mesh stands in several places.")
+EFFECT(14, EFFECT_TANGENTS, tangents, none, 0, none, tangents, mirrors, "Tangents stored at vertices steer the normal maps.")
+EFFECT(15, EFFECT_SECOND_UV, secondTextureCoordinates, none, 0, none, secondTextureCoordinates, sharp, "A texture uses the second set of coordinates.")
+EFFECT(16, EFFECT_SOFT_SHADOWS, softShadows, softShadows, EFFECT_SHADOWS, none, softShadows, everything, "Lights with an extent throw shadows with soft edges: several rays per light and hit.")
+EFFECT(17, EFFECT_DEPTH_OF_FIELD, depthOfField, depthOfField, 0, aperture, anywhere, everything, "What is not at the focus distance is blurred, as by a lens.")
+EFFECT(18, EFFECT_FOG, fog, fog, 0, fogDensity, anywhere, everything, "The air dims what is far and shows the light that falls through it.")
+EFFECT(19, EFFECT_GLOSSY_REFLECTIONS, glossyReflections, glossyReflections, EFFECT_REFLECTIONS, none, glossyReflections, everything, "Surfaces between smooth and rough reflect blurred.")
+EFFECT(20, EFFECT_MOTION_BLUR, motionBlur, motionBlur, 0, shutter, anywhere, everything, "A moving camera blurs the picture along its way.")
+EFFECT(21, EFFECT_INDIRECT_LIGHT, indirectLight, indirectLight, 0, none, onLitSurfaces, everything, "Surfaces light each other: one bounce instead of the ambient light.")
 #undef EFFECT

@@ -6,7 +6,7 @@
 UINT_CONSTANT(NO_INDEX, 0xffffffffu)
 
 // Effect bits, from the table.
-#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) UINT_CONSTANT(CONSTANT, 1u << bit)
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) UINT_CONSTANT(CONSTANT, 1u << bit)
 #include "effect_table.glsl"
 
 // Material.flags

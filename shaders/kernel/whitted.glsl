@@ -7,6 +7,13 @@
 //                         | arrive: emission, fog, ambient that needs no rays, the paths that go on and estimates of others
 //                         -> raysToLight of each light in order -> ambient that needs rays -> pop
 
+#include "effects/soft_shadows.glsl"
+#include "effects/fog.glsl"
+#include "effects/motion_blur.glsl"
+#include "effects/depth_of_field.glsl"
+#include "effects/glossy_reflections.glsl"
+#include "effects/indirect_light.glsl"
+
 UINT_CONSTANT(RAY_PRIMARY, 0u)
 UINT_CONSTANT(RAY_REFLECTION, 1u)
 UINT_CONSTANT(RAY_REFRACTION, 2u)

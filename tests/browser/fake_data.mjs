@@ -74,7 +74,7 @@ const NOT_CALLED_FOR = {
 export function effects() {
   const text = readFileSync(join(kernel, 'effect_table.glsl'), 'utf8');
   const table = [...text.matchAll(/^EFFECT\((.*)\)$/gm)].map((m) => {
-    const [, , name, setting, , , , help] = words(m[1]);
+    const [, , name, setting, , , , , help] = words(m[1]);
     const because = NOT_CALLED_FOR[name] ?? '3 materials (brass, marble, ...), 1,204 triangles';
     const given = setting === 'none' ? '' : setting;
     return { name, calledFor: !(name in NOT_CALLED_FOR), because, help, setting: given, simulated: true };

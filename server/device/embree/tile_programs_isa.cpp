@@ -31,7 +31,7 @@ enum class Tier { plain, mirrors, occlusion, sharp, everything };
 /// for at run time in `everything` alone.
 constexpr uint32_t upTo(Tier last) {
     uint32_t bits = 0;
-#define EFFECT(bit, CONSTANT, name, setting, parent, positive, tier, help) bits |= Tier::tier <= last ? CONSTANT : 0u;
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) bits |= Tier::tier <= last ? CONSTANT : 0u;
 #include "shaders/kernel/effect_table.glsl"
     return bits;
 }
