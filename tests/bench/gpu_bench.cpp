@@ -10,7 +10,7 @@
 //   heliograph-bench start     seconds from nothing to the first frame; JSON
 //   heliograph-bench devices   what there is
 // Options: --device D, --size WxH, --detail X (share of the triangles), --repetitions N, --out FOLDER, --validation,
-// --scene NAME (hybrid, effects, reach, switch: one scene)
+// --statistics (registers and memory of each program, logged), --scene NAME (hybrid, effects, reach, switch: one scene)
 
 #include "tests/bench/colonnade.h"
 #include "tests/bench/gpu_bench.h"
@@ -383,6 +383,7 @@ Options parse(int argc, char** argv) {
         else if (word == "--repetitions") options.repetitions = std::max(1u, static_cast<uint32_t>(std::stoul(value())));
         else if (word == "--out") options.out = value();
         else if (word == "--validation") options.validation = true;
+        else if (word == "--statistics") options.statistics = true;
         else if (options.command.empty() && !word.starts_with("-")) options.command = word;
         else throw std::runtime_error("unknown option " + word);
     }

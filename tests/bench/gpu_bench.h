@@ -18,6 +18,7 @@ struct Options {
     float detail = 1.0f;
     uint32_t repetitions = 30;
     bool validation = false;
+    bool statistics = false;
 };
 
 inline double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }

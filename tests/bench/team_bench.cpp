@@ -105,6 +105,7 @@ ordered_json beside(const Options& options, const char* first, const char* secon
 VulkanOptions vulkanOptions(const Options& options, uint64_t batch) {
     VulkanOptions result;
     result.validation = options.validation;
+    result.statistics = options.statistics;
     result.batchSamples = batch;
     return result;
 }

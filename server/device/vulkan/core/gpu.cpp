@@ -51,8 +51,7 @@ void Gpu::openDevice(GpuFeatures wanted) {
                                                        &structures};
     structures.accelerationStructure = VK_TRUE;
     rays.rayTracingPipeline = VK_TRUE;
-    const char* extensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
-                                VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
+    std::vector<const char*> extensions;
     VkPhysicalDeviceVulkan12Features features12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
     features12.timelineSemaphore = VK_TRUE;
     features12.bufferDeviceAddress = wanted.rayTracingPipeline;
@@ -63,9 +62,19 @@ void Gpu::openDevice(GpuFeatures wanted) {
     info.pQueueCreateInfos = &queue;
     if (wanted.rayTracingPipeline) {
         features12.pNext = &rays;
-        info.enabledExtensionCount = 3;
-        info.ppEnabledExtensionNames = extensions;
+        extensions = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
+                      VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME};
     }
+    VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR statistics{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR, features12.pNext};
+    if (wanted.pipelineStatistics && physical_.pipelineStatistics) {
+        pipelineStatistics_ = true;
+        statistics.pipelineExecutableInfo = VK_TRUE;
+        features12.pNext = &statistics;
+        extensions.push_back(VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
+    }
+    info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    info.ppEnabledExtensionNames = extensions.data();
     check(vkCreateDevice(physical_.handle, &info, nullptr, &device_.handle), "open " + physical_.name);
 }
 

@@ -66,6 +66,7 @@ private:
 /// What a Gpu is opened with beside what tracing needs.
 struct GpuFeatures {
     bool rayTracingPipeline = false;  // the driver's own ray tracing, as a benchmark's anchor
+    bool pipelineStatistics = false;  // where the driver has them
 };
 
 class Gpu {
@@ -77,6 +78,8 @@ public:
 
     VkDevice handle() const { return device_.handle; }
     const PhysicalDevice& physical() const { return physical_; }
+    /// Whether pipelines may be asked for their statistics.
+    bool pipelineStatistics() const { return pipelineStatistics_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     const VulkanContext& context() const { return *context_; }
     uint64_t allocatedBytes() const { return allocated_; }
@@ -112,6 +115,7 @@ private:
 
     std::shared_ptr<VulkanContext> context_;
     PhysicalDevice physical_;
+    bool pipelineStatistics_ = false;
     VkPhysicalDeviceLimits limits_{};
     VkPhysicalDeviceMemoryProperties memory_{};
     /// Waits for the device before it goes; declared before all that is made of it.

@@ -94,6 +94,7 @@ PhysicalDevice describe(VkPhysicalDevice handle, uint32_t index) {
             device.memoryBytes = std::max<uint64_t>(device.memoryBytes, memory.memoryHeaps[i].size);
     device.refused = reasonToRefuse(device, properties);
     device.rayTracingPipeline = hasExtension(handle, VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME);
+    device.pipelineStatistics = hasExtension(handle, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
     return device;
 }
 

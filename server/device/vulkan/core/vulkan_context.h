@@ -17,6 +17,8 @@ struct VulkanOptions {
     bool alwaysStandsBy = false;  // a device of type cpu, too, keeps a program for all effects of the scene; for tests
     bool lastCoreOnly = false;    // a driver that computes on the processor gets one thread on the last core; for benchmarks
 
+    bool statistics = false;      // registers and memory of each program that is compiled are logged; for benchmarks
+
     bool operator==(const VulkanOptions&) const = default;
 };
 
@@ -35,6 +37,7 @@ struct PhysicalDevice {
     uint32_t queueFamily = 0;  // graphics and compute where there is one, else compute
     bool graphics = false;
     bool rayTracingPipeline = false;
+    bool pipelineStatistics = false;
     std::string refused;  // why it cannot trace; empty = it can
     bool isCpu() const { return type == "cpu"; }
 };

@@ -1,5 +1,7 @@
 #include "server/device/vulkan/trace/trace_pipelines.h"
 
+#include "server/base/log.h"
+#include "server/device/vulkan/core/pipeline_statistics.h"
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/spirv_exact.h"
 #include "server/kernel/kernel.h"
@@ -148,10 +150,17 @@ OwnedPipeline TracePipelines::make(const Key& constants) const {
                   "main",
                   &specialization};
     info.layout = layout_.get();
+    if (gpu_.pipelineStatistics()) info.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
     VkPipeline pipeline;
     check(vkCreateComputePipelines(gpu_.handle(), gpu_.pipelineCache().handle(), 1, &info, nullptr, &pipeline),
           "compile the tracer");
-    return {gpu_.handle(), pipeline};
+    OwnedPipeline made{gpu_.handle(), pipeline};
+    if (gpu_.pipelineStatistics()) {
+        log().info("{}: effects {:#x}, path stack {}, bvh stack {}, varieties {:#x}, general {}, first surface {}: {}",
+                   gpu_.physical().name, constants[0], constants[1], constants[2], constants[3], constants[4], constants[5],
+                   pipelineStatistics(gpu_, pipeline));
+    }
+    return made;
 }
 
 }  // namespace heliograph

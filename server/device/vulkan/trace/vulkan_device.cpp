@@ -37,7 +37,7 @@ public:
     VulkanDevice(const std::string& which, const VulkanOptions& options, std::shared_ptr<ViewBounces> bounces)
         : pinned_(options.lastCoreOnly ? CoreLimit::Cores::last : CoreLimit::Cores::all),
           context_(vulkanContext(options)),
-          gpu_(context_, context_->find(which)),
+          gpu_(context_, context_->find(which), {.pipelineStatistics = options.statistics}),
           pipelines_(gpu_, GpuScene::widthFor(gpu_.physical()), IN_FLIGHT * TREE_QUALITIES),
           alwaysStandsBy_(options.alwaysStandsBy),
           bounces_(std::move(bounces)) {
