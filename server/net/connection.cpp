@@ -93,9 +93,9 @@ std::optional<Connection::Closing> Connection::closing() const {
     return closing_;
 }
 
-bool Connection::closeAsked() const {
+std::optional<CloseCode> Connection::closeAsked() const {
     std::lock_guard lock(mutex_);
-    return closing_.has_value();
+    return closing_ ? std::optional(closing_->code) : std::nullopt;
 }
 
 std::optional<CloseCode> Connection::receive(std::string_view piece, bool binary, bool last, double now) {

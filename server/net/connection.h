@@ -40,11 +40,13 @@ public:
         std::string reason;
     };
     std::optional<Closing> closing() const;
-    /// It is to be closed, maybe after what is just being written.
-    bool closeAsked() const;
+    /// It is to be closed with this code, maybe after what is just being written.
+    std::optional<CloseCode> closeAsked() const;
 
     /// Takes a piece of an incoming message. Returns the code to close with if the message breaks a rule.
     std::optional<CloseCode> receive(std::string_view piece, bool binary, bool last, double now);
+    /// Counts what came beside messages: fragments, pings. False where it is more than messages may be.
+    bool countMessages(double count, double now) { return messages_.take(count, now); }
     /// The connection has gone: nothing is kept or sent any more.
     void disconnect();
 

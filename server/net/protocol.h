@@ -25,6 +25,7 @@ constexpr size_t FRAME_HEADER_BYTES = 64;
 enum class CloseCode : uint16_t {
     normal = 1000,
     goingAway = 1001,
+    protocolError = 1002,  // frames without a mask
     unsupportedData = 1003,
     policyViolation = 1008,
     messageTooBig = 1009,

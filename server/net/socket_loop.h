@@ -6,6 +6,7 @@
 #include "server/net/connection.h"
 #include "server/net/socket_server.h"
 #include "server/net/guard/token.h"
+#include "server/net/guard/wire_ledger.h"
 #include "server/net/guard/write_watch.h"
 
 #include <libwebsockets.h>
@@ -90,6 +91,7 @@ private:
         std::shared_ptr<Guest> guest;                                     // while the token is not said
         Clock::time_point since{};                                        // of the guest
         std::optional<Clock::time_point> wrongToken;                      // when that is answered
+        std::optional<WireLedger> ledger;                                 // where the system tells what came
     };
 
     static int callback(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
@@ -121,6 +123,7 @@ private:
     int write(lws* wsi, Connection& connection);
     void sweep();
     bool inTime(lws* wsi, Viewer& viewer);
+    void weigh(lws* wsi, Viewer& viewer);
     void sweepGuest(Viewer& viewer);
     void sweepLinks();
     void note(lws* wsi, const std::string& what, std::optional<CloseCode> code = std::nullopt);

@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/net/guard/tcp_counts.h"
 #include "server/net/socket_loop.h"
 
 #include <algorithm>
@@ -12,6 +13,8 @@ namespace heliograph {
 namespace {
 
 constexpr std::chrono::microseconds SWEEP{250'000};  // between looks at the time limits of all
+constexpr const char* UNMASKED = "frames without a mask, or before the handshake was answered";
+constexpr const char* TOO_MANY = "too many messages";
 
 /// Whether the comma-separated list holds the word.
 bool lists(std::string_view list, std::string_view word) {
@@ -90,7 +93,9 @@ void SocketLoop::open(lws* wsi) {
     if (guest) makeRoomForGuest();
     const auto now = Clock::now();
     auto connection = std::make_shared<Connection>([waker = waker_] { (*waker)(); });
-    Viewer& viewer = viewers_.emplace(wsi, Viewer{connection, WriteWatch(now), {}, nullptr, now, {}}).first->second;
+    Viewer& viewer = viewers_.emplace(wsi, Viewer{connection, WriteWatch(now), {}, nullptr, now, {}, {}}).first->second;
+    if (const auto consumed = consumedBytes(lws_get_socket_fd(wsi)))
+        viewer.ledger.emplace(tls_ ? WireLedger::Wire::tls : WireLedger::Wire::plain, *consumed);
     if (!guest) return enter(wsi, viewer, authorized);
     viewer.guest = std::make_shared<Guest>();
     connection->peer = viewer.guest;
@@ -154,13 +159,23 @@ int SocketLoop::write(lws* wsi, Connection& connection) {
 
 int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
     lws_validity_confirmed(wsi);  // who speaks need not be pinged
-    bool last = lws_is_final_fragment(wsi) && lws_remaining_packet_payload(wsi) == 0;
+    const size_t left = lws_remaining_packet_payload(wsi);
+    const bool last = lws_is_final_fragment(wsi) && left == 0;
+    if (viewer.ledger) {
+        const bool first = viewer.ledger->untouched();
+        viewer.ledger->delivered(piece.size(), left);
+        // Later ones are found by the sweep.
+        const auto consumed = first ? consumedBytes(lws_get_socket_fd(wsi)) : std::nullopt;
+        if (consumed && viewer.ledger->unmasked(*consumed)) return closeWith(wsi, CloseCode::protocolError, UNMASKED);
+    }
     std::optional<CloseCode> fault = viewer.connection->receive(piece, lws_frame_is_binary(wsi), last, wallSeconds());
+    if (!fault && !last && left == 0 && !viewer.connection->countMessages(1.0, wallSeconds()))
+        fault = CloseCode::policyViolation;
     if (viewer.guest && viewer.guest->said) takeToken(wsi, viewer);
     if (!fault) return 0;
     const char* reason = *fault == CloseCode::messageTooBig     ? "a message has at most 64 KiB"
                          : *fault == CloseCode::unsupportedData ? "messages are text"
-                                                                : "too many messages";
+                                                                : TOO_MANY;
     return closeWith(wsi, *fault, reason);
 }
 
@@ -194,9 +209,10 @@ void SocketLoop::leave(lws* wsi) {
 void SocketLoop::sweep() {
     for (auto& [wsi, viewer] : viewers_) {
         if (viewer.guest) sweepGuest(viewer);
+        weigh(wsi, viewer);
         if (inTime(wsi, viewer)) continue;
         // A close frame would wait behind what is not taken, so the connection is cut.
-        viewer.connection->closedWith = CloseCode::stalled;
+        viewer.connection->closedWith = viewer.connection->closeAsked().value_or(CloseCode::stalled);
         lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
     }
     sweepLinks();
@@ -211,6 +227,16 @@ void SocketLoop::sweepGuest(Viewer& viewer) {
     if (viewer.wrongToken && now >= *viewer.wrongToken) viewer.connection->close(CloseCode::unauthorized, "wrong token");
     if (now - viewer.since > options_.times.token)
         viewer.connection->close(CloseCode::unauthorized, "no token within 5 seconds");
+}
+
+/// Looks at what came beside messages; the library does not tell of it.
+void SocketLoop::weigh(lws* wsi, Viewer& viewer) {
+    if (!viewer.ledger || viewer.connection->closeAsked()) return;
+    const auto consumed = consumedBytes(lws_get_socket_fd(wsi));
+    if (!consumed) return;
+    if (viewer.ledger->unmasked(*consumed)) return viewer.connection->close(CloseCode::protocolError, UNMASKED);
+    if (!viewer.connection->countMessages(viewer.ledger->unaccounted(*consumed), wallSeconds()))
+        viewer.connection->close(CloseCode::policyViolation, TOO_MANY);
 }
 
 bool SocketLoop::inTime(lws* wsi, Viewer& viewer) {

@@ -29,6 +29,7 @@ static_assert(std::size(RAY_NAMES) == static_cast<size_t>(RayKind::count));
 constexpr std::optional<CloseCode> CLOSE_CODES[] = {std::nullopt,
                                                     CloseCode::normal,
                                                     CloseCode::goingAway,
+                                                    CloseCode::protocolError,
                                                     CloseCode::unsupportedData,
                                                     CloseCode::policyViolation,
                                                     CloseCode::messageTooBig,
@@ -187,6 +188,7 @@ std::string closeReason(std::optional<CloseCode> code) {
         case CloseCode::normal: return "normal";
         case CloseCode::goingAway: return "server_ends";
         case CloseCode::tryAgainLater: return "no_resources";
+        case CloseCode::protocolError: return "protocol_error";
         case CloseCode::unsupportedData: return "binary_message";
         case CloseCode::policyViolation: return "too_many_messages";
         case CloseCode::messageTooBig: return "message_too_big";

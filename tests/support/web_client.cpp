@@ -117,7 +117,7 @@ HttpAnswer WebClient::upgrade(const std::string& headers, const std::string& pat
                    headers);
 }
 
-void WebClient::sendFrame(int opcode, const std::string& bytes, bool last) {
+std::string maskedFrame(int opcode, const std::string& bytes, bool last) {
     std::string frame(1, static_cast<char>((last ? 0x80 : 0) | opcode));
     if (bytes.size() < 126) {
         frame += static_cast<char>(0x80 | bytes.size());
@@ -131,7 +131,7 @@ void WebClient::sendFrame(int opcode, const std::string& bytes, bool last) {
     const char mask[4] = {1, 2, 3, 4};
     frame.append(mask, 4);
     for (size_t i = 0; i < bytes.size(); i++) frame += static_cast<char>(bytes[i] ^ mask[i % 4]);
-    send(frame);
+    return frame;
 }
 
 std::optional<WebMessage> WebClient::receive() {

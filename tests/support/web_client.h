@@ -26,6 +26,9 @@ struct WebMessage {
     int closeCode() const;
 };
 
+/// A WebSocket frame, masked as those of clients have to be. `last` false: a fragment. opcode 0 continues one.
+std::string maskedFrame(int opcode, const std::string& bytes, bool last = true);
+
 class WebClient {
 public:
     /// Connects to 127.0.0.1, from another address of this machine if one is given. Reading waits at most 20 s; `receiveBuffer`
@@ -46,8 +49,8 @@ public:
     /// Waits until the server has closed; false if it sends something instead.
     bool untilClosed();
 
-    /// One WebSocket message, masked as a client has to. `last` false: a fragment. opcode 0 continues one.
-    void sendFrame(int opcode, const std::string& bytes, bool last = true);
+    /// As maskedFrame.
+    void sendFrame(int opcode, const std::string& bytes, bool last = true) { send(maskedFrame(opcode, bytes, last)); }
     void sendText(const std::string& text) { sendFrame(1, text); }
     /// The next message, its fragments put together; pings are answered. Nothing when the connection has ended.
     std::optional<WebMessage> receive();

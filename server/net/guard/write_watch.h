@@ -6,9 +6,6 @@
 
 namespace heliograph {
 
-/// Bytes that the other side has acknowledged on this TCP socket; 0 where the system does not tell.
-uint64_t acknowledgedBytes(int socket);
-
 /// Fed from time to time with how much was taken so far. Pure.
 class WriteWatch {
 public:

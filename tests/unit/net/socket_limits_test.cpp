@@ -128,6 +128,56 @@ TEST(SocketLimits, AViewerThatIsToldToGoButDoesNotReadIsCut) {
     EXPECT_EQ(s.handler.lastCode, 4008);
 }
 
+TEST(SocketLimits, PingsAndEmptyFragmentsCountAsMessages) {
+    Server s;
+    WebClient neighbour(s.port()), pings(s.port()), fragments(s.port());
+    for (WebClient* c : {&neighbour, &pings, &fragments}) ASSERT_EQ(c->upgrade(OURS).status, 101);
+    std::string flood;
+    for (int i = 0; i < 20'000; i++) flood += test::maskedFrame(9, "");
+    pings.send(flood);
+    ASSERT_TRUE(until([&] { return s.handler.closes == 1; }));
+    EXPECT_EQ(s.handler.lastCode, 1008);
+    flood = test::maskedFrame(1, "", false);
+    for (int i = 0; i < 3'000; i++) flood += test::maskedFrame(0, "", false);
+    fragments.send(flood);
+    ASSERT_TRUE(until([&] { return s.handler.closes == 2; }));
+    EXPECT_EQ(s.handler.lastCode, 1008);
+    neighbour.sendFrame(1, "in", false);
+    neighbour.sendFrame(9, "a ping between fragments");
+    neighbour.sendFrame(0, " pieces");
+    EXPECT_EQ(neighbour.receive()->bytes, "in pieces");
+    std::this_thread::sleep_for(600ms);  // two looks of the server
+    EXPECT_EQ(s.handler.closes, 2);
+}
+
+TEST(SocketLimits, FramesWithoutAMaskAreRefused) {
+    Server s;
+    WebClient first(s.port()), later(s.port()), empty(s.port());
+    for (WebClient* c : {&first, &later, &empty}) ASSERT_EQ(c->upgrade(OURS).status, 101);
+    const auto closed = [&](int closes) {
+        return until([&] { return s.handler.closes == closes; }) && s.handler.lastCode == 1002;
+    };
+    first.send("\x81\x05hello");
+    ASSERT_TRUE(closed(1));
+    EXPECT_EQ(first.receive()->closeCode(), 1002);
+    later.sendText("masked");
+    EXPECT_EQ(later.receive()->bytes, "masked");
+    later.send("\x81\x05hello");
+    EXPECT_EQ(later.receive()->bytes, "hello") << "at the next look";
+    ASSERT_TRUE(closed(2));
+    empty.send(std::string("\x81\x00", 2));
+    ASSERT_TRUE(closed(3));
+    WebClient neighbour(s.port());
+    ASSERT_EQ(neighbour.upgrade(OURS).status, 101);
+    for (size_t size : {0u, 125u, 126u, 60'000u}) {
+        neighbour.sendText(std::string(size, 'x'));
+        EXPECT_EQ(neighbour.receive()->bytes.size(), size);
+    }
+    std::this_thread::sleep_for(600ms);  // two looks of the server
+    neighbour.sendText("still here");
+    EXPECT_EQ(neighbour.receive()->bytes, "still here");
+}
+
 TEST(SocketLimits, SilentConnectionsDoNotStopHttp) {
     SocketOptions small = options();
     small.spareConnections = 30;

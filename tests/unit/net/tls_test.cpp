@@ -4,6 +4,7 @@
 #include "server/net/socket_server.h"
 
 #include "server/base/error.h"
+#include "tests/support/until.h"
 #include "tests/support/web_client.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +17,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
+#include <thread>
 
 namespace heliograph {
 namespace {
@@ -195,6 +198,77 @@ TEST(Tls, ReloadShowsTheRenewedCertificate) {
     std::string after = before;
     for (int i = 0; i < 1000 && after == before; i++) after = shownBy(server.port());
     EXPECT_NE(after, before);
+}
+
+/// Sends back what comes.
+class Echo : public Sender {
+public:
+    struct Peer : ViewerPeer {
+        explicit Peer(std::shared_ptr<ViewerSocket> s) : socket(std::move(s)) {}
+        void receive(std::string_view text) override { socket->sendText(std::string(text)); }
+        void written(FrameKind, double, double) override {}
+        std::shared_ptr<ViewerSocket> socket;
+    };
+    std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool) override {
+        return std::make_shared<Peer>(std::move(socket));
+    }
+    void closed(std::shared_ptr<ViewerPeer>, std::optional<CloseCode> code) override {
+        lastCode = code ? static_cast<int>(*code) : 0;
+    }
+    std::atomic<int> lastCode{-1};
+};
+
+const std::string UPGRADE =
+    "GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+    "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Protocol: heliograph.v1\r\n\r\n";
+
+TEST(Tls, RecordsAreNotChargedAsMessages) {
+    for (int version : {TLS1_2_VERSION, TLS1_3_VERSION}) {
+        Certificate certificate;
+        Echo echo;
+        SocketServer server(options(certificate), echo);
+        server.start();
+        TlsClient client(server.port(), version);
+        ASSERT_TRUE(client.shakeHands());
+        client.send(UPGRADE);
+        ASSERT_TRUE(client.read(12).starts_with("HTTP/1.1 101"));
+        // 1,200 small messages and pongs, each byte of the first hundred in a record of its own, and three large ones.
+        for (int i = 0; i < 1200; i++) {
+            const std::string frame = test::maskedFrame(1, R"({"type":"ack","frameId":123456})");
+            if (i < 100) client.send(frame.substr(0, 6)), client.send(frame.substr(6));
+            else client.send(frame);
+            if (i % 20 == 0) client.send(test::maskedFrame(10, ""));
+        }
+        for (int i = 0; i < 3; i++) {
+            const std::string frame = test::maskedFrame(1, std::string(60'000, 'x'));
+            for (size_t at = 0; at < frame.size(); at += 1400) client.send(frame.substr(at, 1400));
+        }
+        client.send(test::maskedFrame(1, "the end"));
+        std::string tail;
+        while (!tail.ends_with("the end") && echo.lastCode == -1) {
+            const std::string more = client.read(1);
+            if (more.empty()) break;
+            tail = (tail + more).substr(tail.size() > 100'000 ? 50'000 : 0);
+        }
+        EXPECT_TRUE(tail.ends_with("the end")) << version << " closed with " << echo.lastCode;
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));  // two looks of the server
+        EXPECT_EQ(echo.lastCode, -1) << version;
+    }
+}
+
+TEST(Tls, PingsCountAsMessages) {
+    Certificate certificate;
+    Echo echo;
+    SocketServer server(options(certificate), echo);
+    server.start();
+    TlsClient client(server.port());
+    ASSERT_TRUE(client.shakeHands());
+    client.send(UPGRADE);
+    ASSERT_TRUE(client.read(12).starts_with("HTTP/1.1 101"));
+    std::string pings;
+    for (int i = 0; i < 40'000; i++) pings += test::maskedFrame(9, "");
+    client.send(pings);
+    EXPECT_TRUE(test::until([&] { return echo.lastCode == 1008; })) << echo.lastCode;
 }
 
 TEST(Tls, WhoNeverShakesHandsGivesWay) {

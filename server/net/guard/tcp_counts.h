@@ -1,0 +1,16 @@
+#pragma once
+// What the system says of a TCP socket: how much came in and how much of what was sent has arrived.
+
+#include <cstdint>
+#include <optional>
+
+namespace heliograph {
+
+/// Bytes that the other side has acknowledged; 0 where the system does not tell.
+uint64_t acknowledgedBytes(int socket);
+
+/// Bytes that have come and were read from the socket, TLS and all; its end counts as one. Nothing where the system does not
+/// tell (no TCP) and while more arrives faster than it can be looked at. For the thread that reads the socket.
+std::optional<uint64_t> consumedBytes(int socket);
+
+}  // namespace heliograph
