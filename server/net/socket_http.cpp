@@ -2,6 +2,8 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/net/guard/request_size.h"
+#include "server/net/guard/tcp_counts.h"
 #include "server/net/socket_loop.h"
 
 #include <strings.h>
@@ -27,6 +29,14 @@ constexpr std::pair<const char*, const char*> SECURITY_HEADERS[] = {
     {"cross-origin-resource-policy:", "same-origin"},
     {"cache-control:", "no-store"},
 };
+
+/// The library keeps path and query under the method's name.
+bool isAddress(int token) {
+    constexpr int ADDRESSES[] = {WSI_TOKEN_GET_URI, WSI_TOKEN_POST_URI,   WSI_TOKEN_OPTIONS_URI, WSI_TOKEN_PATCH_URI,
+                                 WSI_TOKEN_PUT_URI, WSI_TOKEN_DELETE_URI, WSI_TOKEN_HEAD_URI,    WSI_TOKEN_HTTP_URI_ARGS};
+    return std::ranges::find(ADDRESSES, token) != std::end(ADDRESSES);
+}
+
 bool addHeader(lws* wsi, const char* name, std::string_view value, unsigned char*& at, unsigned char* end) {
     return lws_add_http_header_by_name(wsi, reinterpret_cast<const unsigned char*>(name),
                                        reinterpret_cast<const unsigned char*>(value.data()), static_cast<int>(value.size()),
@@ -52,6 +62,16 @@ bool addHeaders(lws* wsi, unsigned status, const std::string& mimeType, size_t b
 
 }  // namespace
 
+const lws_token_limits& headerLimits() {
+    static const lws_token_limits limits = [] {
+        lws_token_limits all{};
+        for (int token = 0; token < WSI_TOKEN_COUNT; token++)
+            all.token_limit[token] = (isAddress(token) ? ADDRESS_LIMIT : HEADERS_LIMIT) + 1;
+        return all;
+    }();
+    return limits;
+}
+
 std::string headerOf(lws* wsi, lws_token_indexes which) {
     int length = lws_hdr_total_length(wsi, which);
     if (length <= 0) return {};
@@ -76,7 +96,24 @@ int SocketLoop::http(lws* wsi, lws_callback_reasons reason, std::string_view in)
     }
 }
 
+/// HTTP status that the request is refused with for its size; 0: none.
+unsigned SocketLoop::sizeStatus(lws* wsi) {
+    RequestSize size;
+    size_t all = 0;
+    for (int token = 0; token < WSI_TOKEN_COUNT; token++) {
+        const int length = lws_hdr_total_length(wsi, static_cast<lws_token_indexes>(token));
+        if (length > 0 && isAddress(token)) size.address += static_cast<size_t>(length);
+        if (length > 0) all += static_cast<size_t>(length);
+    }
+    size.headers = all - size.address;
+    const auto link = links_.find(wsi);
+    const auto consumed = consumedBytes(lws_get_socket_fd(wsi));
+    if (link != links_.end() && consumed) size.came = *consumed - std::exchange(link->second.consumed, *consumed);
+    return statusOf(size);
+}
+
 int SocketLoop::request(lws* wsi, std::string_view path) {
+    if (const unsigned status = sizeStatus(wsi); status != 0) return refuse(wsi, status, TOO_LONG);
     if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0 && lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) <= 0) {
         return refuse(wsi, 405, "only GET is answered here");

@@ -39,6 +39,10 @@ public:
     std::optional<std::string> said;
 };
 
+/// Bytes of each header that the library keeps; the rest is dropped.
+const lws_token_limits& headerLimits();
+
+constexpr const char* TOO_LONG = "a request may have 8 KiB of address and 16 KiB of headers";
 constexpr double RETRY_SECONDS = 2.0;  // for those who find no room
 constexpr const char* NOT_OUR_NAME = "this server does not go by that name; --allow-origin would let it";
 
@@ -83,6 +87,7 @@ private:
         WriteWatch writes;        // of answers over HTTP
         bool reserved = false;    // beyond the limit: only health is told
         bool leaving = false;     // gave way
+        uint64_t consumed = 0;    // bytes read when the last request was looked at
     };
     struct Viewer {
         std::shared_ptr<Connection> connection;
@@ -101,6 +106,7 @@ private:
     int http(lws* wsi, lws_callback_reasons reason, std::string_view in);
     int viewer(lws* wsi, lws_callback_reasons reason, std::string_view in);
     int request(lws* wsi, std::string_view path);
+    unsigned sizeStatus(lws* wsi);
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
     int upgrade(lws* wsi);

@@ -91,6 +91,8 @@ void SocketLoop::createContext() {
     info.keepalive_timeout = 15;
     info.retry_and_idle_policy = &keepAlive;
     info.pt_serv_buf_size = 16384;
+    info.max_http_header_data = 65535;  // of a connection, until its request is answered
+    info.token_limits = &headerLimits();
     info.fd_limit_per_thread =
         static_cast<unsigned>(options_.maxViewers + options_.spareConnections + RESERVED_CONNECTIONS) + LEAVING;
     // Without this a browser picks HTTP/2 over TLS and opens the WebSocket inside it, where 4.1.6 reads past its buffer.

@@ -34,6 +34,7 @@ bool lists(std::string_view list, std::string_view word) {
 int SocketLoop::upgrade(lws* wsi) {
     const std::string host = headerOf(wsi, WSI_TOKEN_HOST), origin = headerOf(wsi, WSI_TOKEN_ORIGIN);
     const bool loopbackOnly = isLoopback(options_.listen.host) && options_.token.empty();
+    if (const unsigned status = sizeStatus(wsi); status != 0) return refuse(wsi, status, TOO_LONG);
     if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (headerOf(wsi, WSI_TOKEN_GET_URI) != "/ws") return refuse(wsi, 404, "WebSocket is spoken at /ws");
     if (headerOf(wsi, WSI_TOKEN_VERSION) != "13") return refuse(wsi, 426, "version 13 of the WebSocket is spoken here");

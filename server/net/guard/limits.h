@@ -13,6 +13,8 @@
     LIMIT(double, MESSAGE_BURST, 2000, "messages", "at once; more: close 1008")                                              \
     LIMIT(double, BYTE_RATE, 1048576, "bytes a second", "from a viewer; more for long: close 1008")                          \
     LIMIT(double, BYTE_BURST, 4194304, "bytes", "at once; more: close 1008")                                                 \
+    LIMIT(size_t, ADDRESS_LIMIT, 8192, "bytes", "path and query of a request; longer: HTTP 414")                             \
+    LIMIT(size_t, HEADERS_LIMIT, 16384, "bytes", "the headers of a request; longer: HTTP 431")                               \
     LIMIT(size_t, SCENE_NAME_LIMIT, 256, "bytes", "the name of a scene; longer: `error`")                                    \
     LIMIT(size_t, TOKEN_LIMIT, 4096, "bytes", "the token; longer: `error`")                                                  \
     LIMIT(uint64_t, MAX_PRESENTED_MS, 3600000, "ms", "`presentedMs` of an `ack`; more: `error`")                             \

@@ -4,6 +4,7 @@
 #include "server/net/client_files.h"
 #include "server/net/guard/origin.h"
 #include "server/net/guard/rate_limit.h"
+#include "server/net/guard/request_size.h"
 #include "server/net/guard/token.h"
 
 #include <gtest/gtest.h>
@@ -137,6 +138,14 @@ TEST(RateLimit, LetsBurstsPassAndFillsAgain) {
     EXPECT_FALSE(limit.take(1.0, 100.12));
     EXPECT_TRUE(limit.take(3.0, 200.0));
     EXPECT_FALSE(limit.take(3.5, 300.0));
+}
+
+TEST(RequestSize, AddressBeforeHeaders) {
+    EXPECT_EQ(statusOf({8192, 16384, 8192 + 16384}), 0u);
+    EXPECT_EQ(statusOf({8193, 16385, 0}), 414u);
+    EXPECT_EQ(statusOf({1, 16385, 0}), 431u);
+    EXPECT_EQ(statusOf({1, 9, 60'000}), 431u) << "headers without a name that the library knows";
+    EXPECT_EQ(statusOf({1, 16'000, 16'200 + 16'384}), 0u) << "more requests came with it";
 }
 
 }  // namespace

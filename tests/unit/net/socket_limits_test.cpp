@@ -178,6 +178,40 @@ TEST(SocketLimits, FramesWithoutAMaskAreRefused) {
     EXPECT_EQ(neighbour.receive()->bytes, "still here");
 }
 
+TEST(SocketLimits, LongRequestsAreToldSo) {
+    Server s;
+    const auto status = [&](const std::string& path, const std::string& headers) {
+        const HttpAnswer answer = WebClient(s.port()).get(path, headers);
+        EXPECT_EQ(answer.header("x-content-type-options"), "nosniff") << path.size() << " " << headers.size();
+        return answer.status;
+    };
+    const auto header = [](const std::string& name, size_t bytes) { return name + ": " + std::string(bytes, 'x') + "\r\n"; };
+    EXPECT_EQ(status("/" + std::string(8'000, 'x'), ""), 404);
+    EXPECT_EQ(status("/?" + std::string(8'000, 'x'), ""), 200);
+    EXPECT_EQ(status("/" + std::string(9'000, 'x'), ""), 414);
+    EXPECT_EQ(status("/?" + std::string(9'000, 'x'), ""), 414);
+    EXPECT_EQ(status("/" + std::string(300'000, 'x'), ""), 414);
+    EXPECT_EQ(status("/", header("Cookie", 16'000)), 200);
+    EXPECT_EQ(status("/", header("Cookie", 17'000)), 431);
+    EXPECT_EQ(status("/", header("Cookie", 300'000)), 431);
+    EXPECT_EQ(status("/", header("Accept", 10'000) + header("Cookie", 10'000)), 431);
+    EXPECT_EQ(status("/", header("X-Own", 15'000)), 200);
+    EXPECT_EQ(status("/", header("X-Own", 60'000)), 431);
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS + header("Cookie", 17'000)).status, 431);
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS + header("X-Own", 60'000)).status, 431);
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS + header("Cookie", 3'000)).status, 101);
+}
+
+TEST(SocketLimits, ManyRequestsOfOneConnectionAreNoLongOne) {
+    Server s;
+    WebClient one(s.port());
+    std::string all;
+    for (int i = 0; i < 60; i++) all += "GET / HTTP/1.1\r\nHost: localhost\r\nCookie: " + std::string(500, 'x') + "\r\n\r\n";
+    one.send(all);
+    for (int i = 0; i < 60; i++) EXPECT_EQ(one.readAnswer().status, 200) << i;
+    for (int i = 0; i < 60; i++) EXPECT_EQ(one.get("/", "Cookie: " + std::string(8'000, 'x') + "\r\n").status, 200) << i;
+}
+
 TEST(SocketLimits, SilentConnectionsDoNotStopHttp) {
     SocketOptions small = options();
     small.spareConnections = 30;
