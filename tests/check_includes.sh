@@ -31,9 +31,10 @@ net/guard            base
 net                  base kernel scene request net/guard
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
-stream               base kernel scene scene/load request film device schedule render encode net net/guard
+loop                 base kernel scene request film device schedule render
+stream               base kernel scene scene/load request film device schedule render loop encode net net/guard
 operations           base kernel scene request film net net/guard stream
-app                  base kernel scene scene/load request film device schedule render device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard pool lab stream operations
+app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard pool lab stream operations
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...

@@ -57,46 +57,47 @@ class Drawing:
 
 
 def rooms():
-    d = Drawing(960, 700, 'Rooms: each may include what stands below it')
+    d = Drawing(960, 762, 'Rooms: each may include what stands below it')
     step, top = 62, 56
 
     def row(i):
         return top + i * step
 
-    tower = [('stream', 'one view and who looks at it'), ('render', 'does it: turns, threads, passes'),
-             ('schedule', 'who renders what; pure'), ('device', 'the contract of every device'),
+    tower = [('stream', 'one view and who looks at it'), ('loop', 'what a view renders next'),
+             ('render', 'does it: turns, threads, passes'), ('schedule', 'who renders what; pure'),
+             ('device', 'the contract of every device'),
              ('film', 'what is known of the picture'), ('request', 'what is asked; values'),
              ('scene', 'what is looked at; immutable'), ('kernel', 'C++ side of the shading source')]
     d.box(24, row(0), 912, 48, 'app', 'commands; the only room that names concrete devices', fill=YELLOW)
     for i, (name, words) in enumerate(tower):
         d.box(330, row(i + 1), 300, 48, name, words, fill=BLUE)
         d.arrow((480, row(i) + 48), (480, row(i + 1)))
-    d.box(24, row(9), 912, 48, 'base', 'errors, log, clock, mailbox, progress, words', fill=YELLOW)
-    d.arrow((480, row(8) + 48), (480, row(9)))
+    d.box(24, row(10), 912, 48, 'base', 'errors, log, clock, mailbox, progress, words', fill=YELLOW)
+    d.arrow((480, row(9) + 48), (480, row(10)))
 
     d.box(676, row(1), 260, 48, 'operations', 'configuration, metrics, service manager')
-    d.box(676, row(2), 260, 48, 'lab', 'benchmarks, the simulator')
-    for i in (1, 2):
+    d.box(676, row(3), 260, 48, 'lab', 'benchmarks, the simulator')
+    for i in (1, 3):
         d.arrow((676, row(i) + 24), (630, row(i) + 24))
-    d.box(676, row(3), 260, 48, 'device/embree', 'the processor, by Embree', fill=RED)
-    d.box(676, row(4), 260, 48, 'device/vulkan', 'core, tree, trace, raster, bench', fill=RED)
-    d.arrow((676, row(3) + 24), (654, row(3) + 24), (654, row(4) + 14), (630, row(4) + 14))
-    d.arrow((676, row(4) + 24), (630, row(4) + 24))
-    d.box(676, row(7), 260, 48, 'scene/{build,load,generate}', 'files and recipes become a scene', fill=GREEN)
-    d.arrow((676, row(7) + 24), (630, row(7) + 24))
+    d.box(676, row(4), 260, 48, 'device/embree', 'the processor, by Embree', fill=RED)
+    d.box(676, row(5), 260, 48, 'device/vulkan', 'core, tree, trace, raster, bench', fill=RED)
+    d.arrow((676, row(4) + 24), (654, row(4) + 24), (654, row(5) + 14), (630, row(5) + 14))
+    d.arrow((676, row(5) + 24), (630, row(5) + 24))
+    d.box(676, row(8), 260, 48, 'scene/{build,load,generate}', 'files and recipes become a scene', fill=GREEN)
+    d.arrow((676, row(8) + 24), (630, row(8) + 24))
 
     d.box(24, row(1), 260, 48, 'client-web', 'the page, in the browser', dashed=True)
     d.box(24, row(2), 260, 48, 'net', 'messages; net/web: sockets and HTTP', fill=GREEN)
     d.arrow((330, row(1) + 36), (308, row(1) + 36), (308, row(2) + 14), (284, row(2) + 14))
     d.arrow((154, row(1) + 48), (154, row(2)), dashed=True, words='WebSocket', at=(166, row(2) - 3), anchor='start')
-    d.arrow((284, row(2) + 36), (308, row(2) + 36), (308, row(6) + 24), (330, row(6) + 24))
+    d.arrow((284, row(2) + 36), (308, row(2) + 36), (308, row(7) + 24), (330, row(7) + 24))
     d.box(24, row(4), 260, 48, 'encode', 'pixels to bytes', fill=GREEN)
     d.arrow((330, row(1) + 42), (296, row(1) + 42), (296, row(4) + 24), (284, row(4) + 24))
     d.box(24, row(5), 260, 48, 'images', 'reads pictures; door to OpenImageIO', fill=GREEN)
     d.arrow((154, row(4) + 48), (154, row(5)))
-    d.box(24, row(8), 260, 48, 'shaders/kernel', 'every colour, written once', fill=YELLOW)
-    d.arrow((330, row(8) + 24), (284, row(8) + 24))
-    d.text(24, 692, 'Not drawn: what follows from these. tests/check_includes.sh holds the whole table.', 12, colour=MUTED)
+    d.box(24, row(9), 260, 48, 'shaders/kernel', 'every colour, written once', fill=YELLOW)
+    d.arrow((330, row(9) + 24), (284, row(9) + 24))
+    d.text(24, 754, 'Not drawn: what follows from these. tests/check_includes.sh holds the whole table.', 12, colour=MUTED)
     return d
 
 

@@ -4,7 +4,7 @@
 
 #include "server/base/error.h"
 #include "server/net/guard/limits.h"
-#include "server/request/camera.h"
+#include "server/request/view_request.h"
 
 #include <nlohmann/json.hpp>
 
@@ -34,8 +34,6 @@ enum class CloseCode : uint16_t {
     unauthorized = 4001,   // no token within 5 seconds, or a wrong one
     stalled = 4008,        // frames on their way were not acknowledged for 10 seconds
 };
-
-enum class PictureFormat { png, exr, jpg };
 
 /// What a viewer may say. TYPE is the message's `type`.
 struct CameraMessage {

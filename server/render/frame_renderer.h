@@ -1,6 +1,6 @@
 #pragma once
 // A whole frame in one call, for commands and benchmarks, which know beforehand how many samples they want. (A viewer's frames,
-// which newer ones cut short, are those of stream/frame_loop.)
+// which newer ones cut short, are those of loop/frame_loop.)
 
 #include "server/render/pass_renderer.h"
 

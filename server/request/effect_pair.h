@@ -1,6 +1,6 @@
 #pragma once
 // What one effect costs, as two requests: the same view with and without it. The lab and a viewer's effect meter render
-// both and compare (lab/effect_bench, stream/effect_meter). Pure functions.
+// both and compare (lab/effect_bench, loop/effect_meter). Pure functions.
 
 #include "server/request/effect_rules.h"
 #include "server/request/frame_request.h"

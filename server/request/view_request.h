@@ -17,6 +17,9 @@ struct ViewRequest {
     std::chrono::steady_clock::time_point received{};  // when the newest input came
 };
 
+/// What a picture that is asked for beside the frames is saved as.
+enum class PictureFormat { png, exr, jpg };
+
 /// Pixels that are rendered: the resolution times renderScale, at least 1 x 1.
 uvec2 filmSize(const ViewRequest& request);
 

@@ -4,10 +4,10 @@
 #include "server/request/effect_rules.h"
 #include "server/request/setting_caps.h"
 #include "server/net/protocol.h"
-#include "server/stream/effect_meter.h"
+#include "server/loop/effect_meter.h"
 #include "server/film/partition.h"
 #include "server/schedule/schedule_report.h"
-#include "server/stream/path_run.h"
+#include "server/loop/path_run.h"
 #include "server/film/tile.h"
 #include "server/scene/load/scene_source.h"
 

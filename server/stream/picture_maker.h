@@ -3,7 +3,7 @@
 
 #include "server/encode/encoder.h"
 #include "server/net/viewer_socket.h"
-#include "server/stream/finished_frame.h"
+#include "server/loop/finished_frame.h"
 
 #include <memory>
 #include <vector>

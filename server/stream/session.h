@@ -3,7 +3,7 @@
 // camera and the settings, and says what becomes of them. A fault of a viewer is answered to that viewer alone.
 
 #include "server/stream/admission.h"
-#include "server/stream/frame_loop.h"
+#include "server/loop/frame_loop.h"
 #include "server/stream/messages.h"
 #include "server/stream/viewer.h"
 

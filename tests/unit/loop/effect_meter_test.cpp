@@ -1,4 +1,4 @@
-#include "server/stream/effect_meter.h"
+#include "server/loop/effect_meter.h"
 
 #include "tests/support/direct_renderer.h"
 #include "tests/support/test_scenes.h"

@@ -1,4 +1,4 @@
-#include "server/stream/frame_loop.h"
+#include "server/loop/frame_loop.h"
 
 #include "server/base/log.h"
 

@@ -1,4 +1,4 @@
-#include "server/stream/picture_job.h"
+#include "server/loop/picture_job.h"
 
 #include <algorithm>
 

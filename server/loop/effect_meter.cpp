@@ -1,4 +1,4 @@
-#include "server/stream/effect_meter.h"
+#include "server/loop/effect_meter.h"
 
 #include "server/film/stats.h"
 

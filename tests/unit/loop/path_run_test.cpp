@@ -1,4 +1,4 @@
-#include "server/stream/path_run.h"
+#include "server/loop/path_run.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "server/stream/view_film.h"
+#include "server/loop/view_film.h"
 
 #include <utility>
 

@@ -1,7 +1,7 @@
 #pragma once
 // A picture that was asked for beside the frames of a view: full resolution, as many samples as the view's film has.
 
-#include "server/stream/view_film.h"
+#include "server/loop/view_film.h"
 
 namespace heliograph {
 

@@ -3,7 +3,7 @@
 // device like those of any viewer (turns.h), so nobody waits longer than for one viewer more; only time within turns counts.
 
 #include "server/request/effect_pair.h"
-#include "server/stream/finished_frame.h"
+#include "server/loop/finished_frame.h"
 
 #include <condition_variable>
 #include <thread>

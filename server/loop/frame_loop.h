@@ -3,8 +3,8 @@
 // with other loops by taking turns (turns.h). While the viewer moves, every frame is one pass of one sample; at rest passes
 // accumulate up to the `samples` setting. What it does next is decided in loop_rules.h.
 
-#include "server/stream/path_run.h"
-#include "server/stream/picture_job.h"
+#include "server/loop/path_run.h"
+#include "server/loop/picture_job.h"
 
 #include <condition_variable>
 #include <optional>

@@ -2,7 +2,6 @@
 // What the render loop of a view works on, and what it hands over.
 
 #include "server/film/stats.h"
-#include "server/net/protocol.h"
 #include "server/render/pass_renderer.h"
 #include "server/request/effect_rules.h"
 #include "server/request/loop_rules.h"

@@ -4,7 +4,7 @@
 #include "server/film/film_pool.h"
 #include "server/render/pass_renderer.h"
 #include "server/request/loop_rules.h"
-#include "server/stream/finished_frame.h"
+#include "server/loop/finished_frame.h"
 
 namespace heliograph {
 
