@@ -7,8 +7,8 @@
 # check_walk.sh --self-test: spoils copies of the list and sees that each is found.
 set -u
 cd "$(dirname "$(readlink -f "$0")")/.." || exit 1
-MOST_CALLS=16
-MOST_FILES=13
+MOST_CALLS=17
+MOST_FILES=14
 MOST_TWICE=3
 
 # bodies FILE: NAME<tab>BODY, a line per function. By the layout of .clang-format a definition begins in column 1 or, in a

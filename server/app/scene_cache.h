@@ -2,8 +2,9 @@
 // The scenes that the server holds ready, each on a device of its own. Loading happens on one thread in the background, so
 // viewers of other scenes are not disturbed; a load that nobody waits for any more is given up.
 
-#include "server/stream/session.h"
+#include "server/stream/session_host.h"
 
+#include <deque>
 #include <algorithm>
 
 namespace heliograph {

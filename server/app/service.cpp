@@ -44,10 +44,7 @@ Service::Service(ServiceOptions options)
 
 Service::~Service() {
     cache_.stop();
-    {
-        std::lock_guard lock(mutex_);
-        for (const auto& session : sessions_) session->end();
-    }
+    for (const auto& session : sessions()) session->end();
     socket_.stop();
     for (std::jthread* thread : {&attendant_, &reaper_}) {
         thread->request_stop();
@@ -84,22 +81,17 @@ void Service::reload(const ServiceReload& reload) {
 }
 
 void Service::drain(std::chrono::milliseconds atMost) {
-    std::vector<std::shared_ptr<Session>> sessions;
-    {
-        std::lock_guard lock(mutex_);
-        ending_ = true;
-        sessions = sessions_;
-    }
-    for (const auto& session : sessions) session->drain(atMost);
+    ending_ = true;
+    for (const auto& session : sessions()) session->drain(atMost);
 }
 
 bool Service::drained() const {
-    std::vector<std::shared_ptr<Session>> sessions;
-    {
-        std::lock_guard lock(mutex_);
-        sessions = sessions_;
-    }
-    return std::ranges::all_of(sessions, [](const auto& session) { return session->settled(); });
+    return std::ranges::all_of(sessions(), [](const auto& session) { return session->settled(); });
+}
+
+std::vector<std::shared_ptr<Session>> Service::sessions() const {
+    std::lock_guard lock(mutex_);
+    return sessions_;
 }
 
 std::optional<NotReady> Service::unready() const {
@@ -127,14 +119,11 @@ std::string Service::mayEnter() { return tooCrowded(); }
 
 /// Why another viewer would see too few frames; empty where it would not.
 std::string Service::tooCrowded() const {
-    std::vector<std::shared_ptr<Session>> sessions;
-    {
-        std::lock_guard lock(mutex_);
-        sessions = sessions_;
-    }
     std::vector<ViewerLoad> inside;
     const auto now = std::chrono::steady_clock::now();
-    for (const auto& session : sessions) inside.push_back(session->load(now));
+    for (const auto& session : sessions()) {
+        if (const std::optional<ViewerLoad> load = session->load(now)) inside.push_back(*load);
+    }
     const std::optional<int> later = retryAfter(inside, options_.leastRate);
     if (!later) return {};
     return "another viewer would see less than " + wordsOf(options_.leastRate) + " frames a second; try again in " +
@@ -145,14 +134,24 @@ std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener 
     return cache_.open(name, std::move(listener));
 }
 
-uint64_t Service::grantPixels(uint32_t viewer, uint64_t wanted) {
+uint64_t Service::grantPixels(uint32_t view, uint64_t wanted) {
     std::lock_guard lock(mutex_);
     std::vector<uint64_t> others;
     for (const auto& [other, count] : pixels_) {
-        if (other != viewer) others.push_back(count);
+        if (other != view) others.push_back(count);
     }
     const FilmBudget budget = filmBudget(options_.pictureBytes, current_.access.maxViewers);
-    return pixels_[viewer] = std::max<uint64_t>(grantedPixels(wanted, others, budget), 1);
+    return pixels_[view] = std::max<uint64_t>(grantedPixels(wanted, others, budget), 1);
+}
+
+void Service::viewEnded(std::shared_ptr<View> view) {
+    views_.remove(*view);
+    {
+        std::lock_guard lock(mutex_);
+        pixels_.erase(view->number());
+        ended_.push_back(std::move(view));
+    }
+    someEnded_.notify_all();
 }
 
 size_t Service::viewerCount() const {
@@ -194,7 +193,6 @@ void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> 
     {
         std::lock_guard lock(mutex_);
         std::erase(sessions_, session);
-        pixels_.erase(session->viewer());
         ended_.push_back(std::move(session));
     }
     someEnded_.notify_all();
@@ -217,7 +215,7 @@ std::string Service::metricsText() {
         state.viewers = sessions_.size();
         state.mostViewers = current_.access.maxViewers;
         state.mostFilmPixels = filmBudget(options_.pictureBytes, current_.access.maxViewers).pixels;
-        for (const auto& [viewer, pixels] : pixels_) state.filmPixels += pixels;
+        for (const auto& [view, pixels] : pixels_) state.filmPixels += pixels;
     }
     return heliograph::metricsText(metricFamilies(metrics_, state));
 }
@@ -229,12 +227,7 @@ void Service::deviceFailed(const std::string& device, const std::string& what) {
 
 /// A device that is set aside is no fault of the viewers, but they should know why frames look or last different.
 void Service::tellEverybody(const std::string& what) {
-    std::vector<std::shared_ptr<Session>> sessions;
-    {
-        std::lock_guard lock(mutex_);
-        sessions = sessions_;
-    }
-    for (const auto& session : sessions) session->notice(what);
+    for (const auto& session : sessions()) session->notice(what);
 }
 
 /// Statistics and time limits of all viewers.
@@ -263,7 +256,7 @@ void Service::attend(std::stop_token stop) {
 /// The end of viewers who have gone. It lasts as long as what their devices are doing, so nothing else may wait for it.
 void Service::reap(std::stop_token stop) {
     while (true) {
-        std::vector<std::shared_ptr<Session>> ended;
+        std::vector<std::shared_ptr<void>> ended;
         std::unique_lock lock(mutex_);
         someEnded_.wait(lock, stop, [&] { return !ended_.empty(); });
         ended.swap(ended_);

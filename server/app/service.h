@@ -8,6 +8,7 @@
 #include "server/operations/liveness.h"
 #include "server/operations/readiness.h"
 #include "server/render/device_set.h"
+#include "server/stream/session.h"
 
 namespace heliograph {
 
@@ -58,8 +59,10 @@ private:
     std::vector<SceneRecipe> scenes() const override { return options_.scenes; }
     std::vector<std::string> devices() const override { return options_.devices.words; }
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
-    uint64_t grantPixels(uint32_t viewer, uint64_t wanted) override;
+    uint64_t grantPixels(uint32_t view, uint64_t wanted) override;
+    void viewEnded(std::shared_ptr<View> view) override;
     size_t viewerCount() const override;
+    Views& views() override { return views_; }
     Turns& turns() override { return scheduler_.turns(); }
     Metrics& metrics() override { return metrics_; }
     // SocketHandler
@@ -72,6 +75,7 @@ private:
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
 
+    std::vector<std::shared_ptr<Session>> sessions() const;
     std::string tooCrowded() const;
     LogLevel lineLevel();
     void attend(std::stop_token stop);
@@ -84,12 +88,14 @@ private:
     std::atomic<int64_t> watchdog_{options_.watchdog.count()};  // seconds
     TileScheduler scheduler_;
     Metrics metrics_;
+    Views views_;
 
     mutable std::mutex mutex_;  // of all below up to lastViewer_
     std::condition_variable_any someEnded_;
     std::vector<std::shared_ptr<Session>> sessions_;
-    std::vector<std::shared_ptr<Session>> ended_;  // to be destroyed by the reaper, which waits for their threads
-    std::map<uint32_t, uint64_t> pixels_;          // granted, by viewer
+    std::vector<std::shared_ptr<void>>
+        ended_;                            // sessions and views to be destroyed by the reaper, which waits for their threads
+    std::map<uint32_t, uint64_t> pixels_;  // granted, by view
     ServiceReload current_{options_.socket, options_.defaults, options_.watchdog};
     uint32_t lastViewer_ = 0;
     RateLimit lines_{10.0, 100.0};          // of the log; the socket's thread alone

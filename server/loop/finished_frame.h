@@ -20,6 +20,8 @@ struct ResidentScene {
 struct PictureOrder {
     uint32_t number = 0;  // counts the viewer's orders
     PictureFormat format = PictureFormat::png;
+    uint32_t viewer = 0;  // who asked for it
+    bool operator==(const PictureOrder&) const = default;
 };
 
 /// A film worth looking at. The film may grow while it is developed, never change its request.
@@ -41,6 +43,7 @@ struct FinishedFrame {
 struct FocusRequest {
     ViewRay ray;
     uint32_t inputId = 0;
+    uint32_t viewer = 0;
 };
 
 /// Where frames go. Called from the loop's thread without any lock held; must not call the loop's destructor.

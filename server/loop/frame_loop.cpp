@@ -62,6 +62,10 @@ void FrameLoop::takePicture(const PictureOrder& order) {
     tell([&] { pictureAsked_ = order; });
 }
 
+void FrameLoop::offerAgain() {
+    tell([&] { again_ = true; });
+}
+
 void FrameLoop::focus(const FocusRequest& request) {
     tell([&] {
         focusAsked_ = request;
@@ -121,6 +125,7 @@ uint64_t FrameLoop::takeNews() {
         passes_.forget();
     }
     if (newest_) request_ = newest_;
+    if (std::exchange(again_, false)) film_.offerAgain();
     if (retry_) broken_ = false;
     retry_ = false;
     std::optional<bool> playing = std::exchange(playing_, std::nullopt);

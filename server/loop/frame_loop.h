@@ -27,6 +27,8 @@ public:
     void playPath(bool playing);
     /// Makes a picture of the newest request at full resolution, with as many samples as its film has by now (at least 1).
     void takePicture(const PictureOrder& order);
+    /// Delivers the frame that was delivered last once more, for somebody who has not seen it.
+    void offerAgain();
     /// Asks the device for the depth along a ray, on the loop's thread; a request that was not answered yet is dropped.
     void focus(const FocusRequest& request);
     /// The receiver's readiness has changed for the better.
@@ -81,6 +83,7 @@ private:
     std::optional<bool> playing_;
     std::optional<PictureOrder> pictureAsked_;
     std::optional<FocusRequest> focusAsked_;
+    bool again_ = false;  // the frame that was delivered last is asked for
     bool retry_ = false;  // something came that may mend what failed
     bool stopped_ = false;
     PassState pass_;

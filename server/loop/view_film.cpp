@@ -53,7 +53,7 @@ Delivery ViewFilm::delivery() const {
     delivery.samples = samples_;
     delivery.targetSamples = view_->settings.samples;
     delivery.deliveredSamples = deliveredSamples_;
-    delivery.outdated = deliveredSamples_ > 0 && !samePicture(deliveredView_, *view_);
+    delivery.outdated = deliveredSamples_ > 0 && (again_ || !samePicture(deliveredView_, *view_));
     delivery.finalDelivered = finalDelivered_ && deliveredSamples_ >= delivery.targetSamples;
     delivery.secondsSince = std::chrono::duration<double>(Clock::now() - deliveredAt_).count();
     return delivery;
@@ -73,6 +73,7 @@ FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
     frame.figures = std::exchange(figures_, PassFigures{});
     deliveredSamples_ = samples_;
     finalDelivered_ = frame.final;
+    again_ = false;
     deliveredView_ = *view_;
     deliveredAt_ = Clock::now();
     return frame;

@@ -29,6 +29,8 @@ public:
     bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn);
     /// How far it is and what the viewer has of it.
     Delivery delivery() const;
+    /// What it shows shall be delivered once more, although nothing has changed.
+    void offerAgain() { again_ = true; }
     /// The film as a frame, which then counts as delivered. `path`: part of a run along the camera path.
     FinishedFrame frame(const Scene& scene, bool path);
 
@@ -52,6 +54,7 @@ private:
     ViewMemory memory_;
     uint32_t deliveredSamples_ = 0;
     bool finalDelivered_ = false;
+    bool again_ = false;
     ViewRequest deliveredView_;
     Clock::time_point deliveredAt_{};
 };

@@ -146,6 +146,11 @@ void read(const Fields& fields, FocusMessage& message) {
     }
 }
 
+void read(const Fields& fields, WatchMessage& message) {
+    message.inputId = fields.uint("inputId");
+    if (!fields.isNull("view")) message.view = fields.text("view", VIEW_ID_LIMIT);
+}
+
 /// The alternatives of ViewerMessage by their TYPE.
 template <typename Variant>
 struct Types;

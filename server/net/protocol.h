@@ -85,9 +85,14 @@ struct FocusMessage {
     uint32_t inputId = 0;
     double x = 0.0, y = 0.0;  // place in the picture, 0..1 from the top left corner
 };
+struct WatchMessage {
+    static constexpr const char* TYPE = "watch";
+    uint32_t inputId = 0;
+    std::optional<std::string> view;  // nothing: one of its own
+};
 
 using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
-                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage, FocusMessage>;
+                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, WatchMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {

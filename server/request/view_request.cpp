@@ -28,7 +28,7 @@ uvec2 filmSize(const ViewRequest& request) {
 bool sameFilm(const ViewRequest& a, const ViewRequest& b) { return a.camera == b.camera && sameFilmButCamera(a, b); }
 
 bool samePicture(const ViewRequest& a, const ViewRequest& b) {
-    return sameFilm(a, b) && a.inputId == b.inputId && agree(a, b, Acts::display);
+    return sameFilm(a, b) && a.viewer == b.viewer && a.inputId == b.inputId && agree(a, b, Acts::display);
 }
 
 bool cancelsPass(const ViewRequest& running, uint32_t firstSample, bool cancelledBefore, const ViewRequest& newest) {

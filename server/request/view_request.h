@@ -12,6 +12,7 @@ struct ViewRequest {
     Camera camera;
     Settings settings;
     uvec2 resolution{0, 0};                            // pixels of the display; the film is `filmSize` of it
+    uint32_t viewer = 0;                               // who drives: the input id is its own
     uint32_t inputId = 0;                              // newest input that this request contains
     bool moving = false;                               // the viewer is still at it
     std::chrono::steady_clock::time_point received{};  // when the newest input came
@@ -26,7 +27,7 @@ uvec2 filmSize(const ViewRequest& request);
 /// The samples of one may be shown for the other: they differ at most in input id, `moving` and in settings that act after
 /// the film (exposure, tone curve, JPEG quality) or only say when to stop (samples).
 bool sameFilm(const ViewRequest& a, const ViewRequest& b);
-/// Input id and everything that acts after the film agree too: a picture of one is a picture of the other.
+/// Viewer, input id and everything that acts after the film agree too: a picture of one is a picture of the other.
 bool samePicture(const ViewRequest& a, const ViewRequest& b);
 
 /// Whether a pass in flight is given up for a newer wish. A first pass (`firstSample` 0) is finished when only the camera

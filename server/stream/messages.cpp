@@ -15,12 +15,14 @@ using nlohmann::json;
 
 json array(vec3 v) { return json::array({v.x, v.y, v.z}); }
 
-json cameraJson(const NamedCamera& camera) {
-    return {{"name", camera.name},
-            {"position", array(camera.position)},
-            {"forward", array(camera.forward)},
-            {"up", array(camera.up)},
-            {"fieldOfView", camera.fieldOfView}};
+template <typename AnyCamera>
+json cameraJson(const AnyCamera& camera) {
+    json fields = {{"position", array(camera.position)},
+                   {"forward", array(camera.forward)},
+                   {"up", array(camera.up)},
+                   {"fieldOfView", camera.fieldOfView}};
+    if constexpr (requires { camera.name; }) fields["name"] = camera.name;
+    return fields;
 }
 
 /// Names from files may hold bytes that are no UTF-8; a browser closes the connection over those.
@@ -63,8 +65,8 @@ std::vector<std::string> wordsOf(const DeviceRow& row, const std::vector<std::st
 
 }  // namespace
 
-std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices,
-                         const SettingCaps& caps) {
+std::string helloMessage(uint32_t viewer, const std::string& view, const std::vector<SceneRecipe>& scenes,
+                         const std::vector<std::string>& devices, const SettingCaps& caps) {
     json schema = cappedSchema(caps);
     for (json& row : schema) {
         if (row["name"] == "device") row["choices"] = devices;
@@ -82,6 +84,7 @@ std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes
                  {"protocol", PROTOCOL_NAME},
                  {"server", programVersion()},
                  {"viewer", viewer},
+                 {"view", view},
                  {"schema", schema},
                  {"devices", kinds},
                  {"scenes", offered},
@@ -154,6 +157,7 @@ std::string statsMessage(const ViewerStats& s) {
                     {"deviceShare", finite(s.deviceShare)},
                     {"tiles", s.tiles},
                     {"viewers", s.viewers},
+                    {"watchers", s.watchers},
                     {"residentBytes", s.residentBytes},
                     {"nonfiniteSamples", s.nonfiniteSamples}};
     if (!s.schedule.devices.empty()) {
@@ -234,6 +238,13 @@ std::string resolutionMessage(uvec2 wanted, uvec2 given, uint32_t inputId) {
                  {"given", {given.x, given.y}},
                  {"text", words},
                  {"inputId", inputId}});
+}
+
+std::string watchingMessage(const std::string& view, bool drives, const Camera* camera, std::optional<uint32_t> inputId) {
+    json message = {{"type", "watching"}, {"view", view}, {"drives", drives}};
+    if (camera) message["camera"] = cameraJson(*camera);
+    if (inputId) message["inputId"] = *inputId;
+    return text(message);
 }
 
 std::string noticeMessage(const std::string& words) { return text({{"type", "notice"}, {"text", words}}); }

@@ -32,14 +32,16 @@ struct ViewerStats {
     double deviceShare = 0.0;               // of the time that the device worked for anybody, 0..1
     std::map<std::string, uint64_t> tiles;  // by device; at rest those of the last frames
     size_t viewers = 0;
+    size_t watchers = 0;            // of the view, beside who drives it
     uint64_t residentBytes = 0;     // of the server
     uint64_t nonfiniteSamples = 0;  // since the viewer connected
     ScheduleReport schedule;        // of the last pass of hybrid; else without devices
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.
-std::string helloMessage(uint32_t viewer, const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices,
-                         const SettingCaps& caps = {});
+/// `view`: the id of the viewer's own view.
+std::string helloMessage(uint32_t viewer, const std::string& view, const std::vector<SceneRecipe>& scenes,
+                         const std::vector<std::string>& devices, const SettingCaps& caps = {});
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share);
 std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons);
 std::string sceneFailedMessage(const std::string& name, const std::string& why);
@@ -54,6 +56,9 @@ std::string effectCostsReadyMessage(const EffectCosts& costs);
 std::string effectCostsFailedMessage(const std::string& why);
 /// The picture is smaller than the viewer wanted, as the memory for pictures does not suffice.
 std::string resolutionMessage(uvec2 wanted, uvec2 given, uint32_t inputId);
+/// What the viewer looks at, and whether it drives or watches it. `camera`: of the view, for who drives from now on; may be null.
+/// `inputId` names the message that this answers, if any.
+std::string watchingMessage(const std::string& view, bool drives, const Camera* camera, std::optional<uint32_t> inputId);
 std::string noticeMessage(const std::string& text);
 /// A notice that the server ends, at the latest after that time.
 std::string endingMessage(std::chrono::milliseconds atMost);

@@ -2,10 +2,7 @@
 
 #include "server/base/log.h"
 #include "server/base/machine.h"
-#include "server/film/film_shares.h"
 #include "server/net/guard/token.h"
-
-#include <algorithm>
 
 namespace heliograph {
 
@@ -14,13 +11,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto STATS_EVERY = 500ms;
-constexpr auto PROGRESS_EVERY = 100ms;
-
-std::string namesOf(const std::vector<SceneRecipe>& scenes) {
-    std::string names;
-    for (const SceneRecipe& scene : scenes) names += (names.empty() ? "" : ", ") + scene.name;
-    return names;
-}
 
 }  // namespace
 
@@ -28,16 +18,11 @@ Session::Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocke
     : host_(host),
       metrics_(host.metrics()),
       options_(std::move(options)),
-      meter_(host.turns(), [this](EffectMeter::News&& news) { effectCosts(std::move(news)); }),
-      viewer_(viewer, std::move(socket), metrics_, *this),
-      loop_(host.turns(), *this) {
-    request_.settings = capped(options_.defaults, options_.caps);
-    viewer_.setQuality(request_.settings.jpegQuality);
-}
+      viewer_(viewer, std::move(socket), metrics_, *this) {}
 
 Session::~Session() {
     end();
-    // The viewer wakes the loop, so it has to be over before the loop goes.
+    // Its thread calls `drained`.
     viewer_.finish();
 }
 
@@ -46,16 +31,46 @@ void Session::begin() {
 }
 
 void Session::welcome() {
-    std::vector<SceneRecipe> scenes = host_.scenes();
-    std::vector<std::string> devices = host_.devices();
+    const std::vector<SceneRecipe> scenes = host_.scenes();
+    const std::vector<std::string> devices = host_.devices();
+    const std::shared_ptr<View> own = host_.views().open(host_, options_.defaults, options_.caps);
     {
         std::lock_guard lock(mutex_);
         authorized_ = true;
         statsAt_ = Clock::now();
-        viewer_.say(helloMessage(viewer_.number(), scenes, devices, options_.caps));
-        viewer_.say(settingsMessage(request_.settings.toJson(), std::nullopt));
+        viewer_.say(helloMessage(viewer_.number(), own->id(), scenes, devices, options_.caps));
     }
-    if (!scenes.empty()) openScene(scenes.front().name);
+    if (enter(own, std::nullopt)) own->openFirstScene();
+}
+
+/// Looks at this view from now on; false when the viewer has gone meanwhile. Throws InputError where nobody looks at it any more.
+bool Session::enter(const std::shared_ptr<View>& view, std::optional<uint32_t> inputId) {
+    {
+        std::lock_guard lock(mutex_);
+        if (ended_) return false;
+        view_ = view;
+    }
+    view->join(viewer_, inputId);
+    return true;
+}
+
+void Session::leave() {
+    std::shared_ptr<View> looked;
+    {
+        std::lock_guard lock(mutex_);
+        std::swap(looked, view_);
+    }
+    if (looked && looked->leave(viewer_)) host_.viewEnded(std::move(looked));
+}
+
+std::shared_ptr<View> Session::view() const {
+    std::lock_guard lock(mutex_);
+    return view_;
+}
+
+template <typename Message>
+void Session::handle(const Message& message) {
+    if (std::shared_ptr<View> looked = view()) looked->handle(viewer_, message);
 }
 
 void Session::receive(std::string_view text) {
@@ -95,88 +110,6 @@ void Session::refuse(const InputError& error, const std::string& about, std::opt
     viewer_.say(errorMessage(error.what(), about, inputId));
 }
 
-/// Throws InputError unless there is a view to speak of; with the lock held.
-void Session::checkVisible(const char* message) const {
-    if (!scene_ || request_.resolution.x == 0)
-        throw InputError(message, "nothing to see yet", "after `resolution` and a scene");
-}
-
-void Session::handle(const CameraMessage& message) {
-    std::lock_guard lock(mutex_);
-    if (scene_) checkedCamera(message.camera, *scene_->scene);
-    request_.camera = message.camera;
-    request_.moving = message.moving;
-    request_.inputId = message.inputId;
-    showLocked();
-}
-
-void Session::handle(const SettingsMessage& message) {
-    const std::vector<std::string> devices = host_.devices();
-    std::lock_guard lock(mutex_);
-    Settings settings = request_.settings;
-    for (const auto& [name, value] : message.values.items()) {
-        if (actsOf(name) == Acts::command)
-            throw InputError("settings." + name, "a setting of commands", "the messages `camera` and `path`");
-        settings.set(name, value);
-    }
-    std::string device = Settings::choiceWord("device", settings.device);
-    if (message.values.contains("device") && std::ranges::find(devices, device) == devices.end()) {
-        std::string words;
-        for (const std::string& word : devices) words += (words.empty() ? "one of " : " ") + word;
-        throw InputError("settings.device", device + " is not here", words);
-    }
-    if (settings.device == Settings::choice("device", "hybrid") && nobodyTakesPart(settings)) {
-        throw InputError("settings.enableEmbree, settings.enableVulkan", "false, false",
-                         "true for one of them at least with device hybrid");
-    }
-    checkCaps(settings, options_.caps);
-    request_.settings = settings;
-    request_.inputId = message.inputId;
-    viewer_.setQuality(settings.jpegQuality);
-    viewer_.say(settingsMessage(settings.toJson(), message.inputId));
-    showLocked();
-}
-
-void Session::handle(const ResolutionMessage& message) {
-    uint64_t pixels = static_cast<uint64_t>(message.size.x) * message.size.y;
-    const uvec2 given = largestSize(message.size, host_.grantPixels(viewer_.number(), pixels));
-    std::lock_guard lock(mutex_);
-    if (given != message.size) viewer_.say(resolutionMessage(message.size, given, message.inputId));
-    request_.resolution = given;
-    request_.inputId = message.inputId;
-    showLocked();
-}
-
-void Session::handle(const SceneMessage& message) {
-    std::vector<SceneRecipe> scenes = host_.scenes();
-    bool known = std::any_of(scenes.begin(), scenes.end(), [&](const SceneRecipe& s) { return s.name == message.name; });
-    if (!known) throw InputError("scene.name", nlohmann::json(message.name).dump().substr(0, 80), namesOf(scenes));
-    openScene(message.name);
-}
-
-void Session::handle(const AckMessage& message) { viewer_.acknowledge(message); }
-
-void Session::handle(const PictureMessage& message) {
-    std::lock_guard lock(mutex_);
-    checkVisible(PictureMessage::TYPE);
-    loop_.takePicture(viewer_.orderPicture(message.format));
-}
-
-void Session::handle(const PathMessage& message) {
-    std::lock_guard lock(mutex_);
-    if (message.playing && (!scene_ || scene_->scene->paths.empty())) {
-        throw InputError("path.playing", "true", "false: this scene has no camera path");
-    }
-    if (message.playing && request_.resolution.x == 0) throw InputError("path.playing", "true", "true after `resolution`");
-    // The end of a run is told by pathEnded, with its result.
-    if (message.playing || !playing_) viewer_.say(pathMessage(message.playing, std::nullopt));
-    if (message.playing == playing_) return;
-    playing_ = true;  // until pathEnded
-    loop_.playPath(message.playing);
-}
-
-void Session::handle(const PingMessage& message) { viewer_.say(pongMessage(message.time)); }
-
 void Session::handle(const TokenMessage& message) {
     if (authorized_) return;  // none is needed, or it was given before
     if (!sameSecret(message.token, options_.token)) {
@@ -188,170 +121,24 @@ void Session::handle(const TokenMessage& message) {
     welcome();
 }
 
-void Session::handle(const EffectCostsMessage&) {
-    std::lock_guard lock(mutex_);
-    checkVisible(EffectCostsMessage::TYPE);
-    costsAwaited_ = true;
-    costsAt_ = Clock::now();
-    viewer_.say(effectCostsMeasuringMessage(0.0));
-    meter_.measure({++costsOrder_, sceneName_, scene_, request_});
+/// It leaves the view it looks at before it enters another one, so that one view alone gives it frames.
+void Session::handle(const WatchMessage& message) {
+    const std::shared_ptr<View> now = view();
+    if (!now) return;
+    const bool own = !message.view;
+    if (own ? now->drives(viewer_) : *message.view == now->id()) return now->stay(viewer_, message.inputId);
+    std::shared_ptr<View> next =
+        own ? host_.views().open(host_, options_.defaults, options_.caps) : host_.views().find(*message.view);
+    if (!next) throw InputError("watch.view", "no such view", "the id of a view that somebody looks at, from its `hello`");
+    leave();
+    if (enter(next, message.inputId) && own) next->openFirstScene();
 }
 
-void Session::handle(const FocusMessage& message) {
-    std::lock_guard lock(mutex_);
-    checkVisible(FocusMessage::TYPE);
-    const double aspect = static_cast<double>(request_.resolution.x) / request_.resolution.y;
-    loop_.focus({viewRay(request_.camera, aspect, message.x, message.y), message.inputId});
+void Session::drained() {
+    if (std::shared_ptr<View> looked = view()) looked->drained(viewer_);
 }
 
-/// Sets `focusDistance` to the depth that was measured.
-void Session::focused(const FocusRequest& request, const DepthAnswer& answer) {
-    std::lock_guard lock(mutex_);
-    if (ended_) return;
-    try {
-        if (!answer.known)
-            throw InputError(FocusMessage::TYPE, "no device that holds the scene measures depth", "embree or hybrid as device");
-        if (!answer.depth) throw InputError(FocusMessage::TYPE, "nothing is there", "a place where something is seen");
-        Settings settings = request_.settings;
-        settings.set("focusDistance", *answer.depth);
-        request_.settings = settings;
-        request_.inputId = std::max(request_.inputId, request.inputId);
-        viewer_.say(settingsMessage(settings.toJson(), request.inputId));
-        showLocked();
-    } catch (const InputError& e) {
-        refuse(e, FocusMessage::TYPE, request.inputId);
-    }
-}
-
-void Session::effectCosts(EffectMeter::News&& news) {
-    std::lock_guard lock(mutex_);
-    if (ended_ || !costsAwaited_ || news.order != costsOrder_) return;
-    if (news.costs || !news.failure.empty()) {
-        costsAwaited_ = false;
-        viewer_.say(news.costs ? effectCostsReadyMessage(*news.costs) : effectCostsFailedMessage(news.failure));
-    } else if (Clock::now() - costsAt_ >= PROGRESS_EVERY) {
-        costsAt_ = Clock::now();
-        viewer_.say(effectCostsMeasuringMessage(news.share));
-    }
-}
-
-/// With the lock held.
-void Session::dropEffectCosts(const std::string& why) {
-    meter_.drop();
-    if (costsAwaited_) viewer_.say(effectCostsFailedMessage(why));
-    costsAwaited_ = false;
-}
-
-/// Gives the request to the loop; with the lock held.
-void Session::showLocked() {
-    request_.received = Clock::now();
-    if (request_.resolution.x > 0 && scene_ && !ended_) loop_.show(request_);
-}
-
-void Session::openScene(const std::string& name) {
-    uint64_t order;
-    std::shared_ptr<void> ticket;
-    {
-        std::lock_guard lock(mutex_);
-        order = ++sceneOrder_;
-        orderedName_ = name;
-        progressAt_ = {};
-        std::swap(sceneTicket_, ticket);
-    }
-    ticket.reset();  // a load before, which nobody waits for now, takes no place from this one
-    SceneListener listener;
-    std::weak_ptr<Session> self = weak_from_this();
-    listener.progress = [=](const std::string& what, double share) {
-        if (auto session = self.lock()) session->sceneProgress(order, what, share);
-    };
-    listener.ready = [=](std::shared_ptr<ResidentScene> scene) {
-        if (auto session = self.lock()) session->sceneReady(order, std::move(scene));
-    };
-    listener.failed = [=](const std::string& why, std::exception_ptr) {
-        if (auto session = self.lock()) session->sceneFailed(order, why);
-    };
-    try {
-        ticket = host_.openScene(name, std::move(listener));
-    } catch (const InputError& e) {
-        sceneFailed(order, e.what());
-        throw;
-    }
-    std::lock_guard lock(mutex_);
-    // Swapped, so that the ticket before goes after the lock.
-    if (order == sceneOrder_ && !ended_) std::swap(sceneTicket_, ticket);
-}
-
-void Session::sceneProgress(uint64_t order, const std::string& what, double share) {
-    std::lock_guard lock(mutex_);
-    Clock::time_point now = Clock::now();
-    if (order != sceneOrder_ || now - progressAt_ < PROGRESS_EVERY) return;
-    progressAt_ = now;
-    viewer_.say(sceneLoadingMessage(orderedName_, what, share));
-}
-
-void Session::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
-    std::lock_guard lock(mutex_);
-    if (order != sceneOrder_ || ended_) return;
-    scene_ = std::move(scene);
-    sceneName_ = orderedName_;
-    if (viewer_.dropPicture()) {
-        viewer_.say(errorMessage("picture: the scene was changed before it was finished", "picture", std::nullopt));
-    }
-    dropEffectCosts("the scene was changed before they were measured");
-    request_.camera = cameraFrom(scene_->scene->cameras.front());
-    request_.received = Clock::now();
-    viewer_.say(sceneReadyMessage(sceneName_, *scene_->scene, scene_->reasons));
-    bool visible = request_.resolution.x > 0;
-    loop_.setScene(scene_, visible ? std::optional(request_) : std::nullopt);
-}
-
-void Session::sceneFailed(uint64_t order, const std::string& why) {
-    std::lock_guard lock(mutex_);
-    if (order != sceneOrder_ || ended_) return;
-    log().warn("viewer {}: {}", viewer_.number(), why);
-    viewer_.say(sceneFailedMessage(orderedName_, why));
-}
-
-namespace {
-
-void countDevices(const PassFigures& figures, DeviceCounts& counts) {
-    for (const auto& [device, tiles] : figures.tiles) {
-        counts.change(device, [&, tiles = tiles](DeviceCount& count) {
-            count.tiles += tiles;
-            count.seconds += figures.renderSeconds;
-        });
-    }
-}
-
-}  // namespace
-
-void Session::take(FinishedFrame&& frame) {
-    if (!frame.picture) {
-        metrics_.stages[Metrics::render].add(frame.figures.lastPassSeconds);
-        std::lock_guard lock(mutex_);
-        frameAt_ = Clock::now();
-        const double seconds = frame.figures.lastPassSeconds;
-        secondsPerFrame_ = secondsPerFrame_ > 0.0 ? 0.8 * secondsPerFrame_ + 0.2 * seconds : seconds;
-    }
-    metrics_.nonfiniteSamples += frame.figures.nonfiniteSamples;
-    for (size_t i = 0; i < metrics_.rays.size(); i++) metrics_.rays[i] += frame.figures.rays.by[i];
-    countDevices(frame.figures, metrics_.devices);
-    const bool shown = !frame.picture;
-    const uint32_t inputId = frame.view.inputId;
-    viewer_.take(std::move(frame));
-    // Only now: who drains must find it on its way.
-    std::lock_guard lock(mutex_);
-    if (shown) shownInput_ = inputId;
-}
-
-void Session::pathEnded(const FrameSummary& result) {
-    std::lock_guard lock(mutex_);
-    if (!playing_) return;
-    playing_ = false;
-    viewer_.say(pathMessage(false, result.frames > 0 ? std::optional(result) : std::nullopt));
-}
-
-void Session::failed(const std::string& what) {
+void Session::encodingFailed(const std::string& what) {
     log().error("viewer {}: {}", viewer_.number(), what);
     std::lock_guard lock(mutex_);
     viewer_.dropPicture();
@@ -360,29 +147,32 @@ void Session::failed(const std::string& what) {
 }
 
 void Session::tick(Clock::time_point now) {
-    size_t viewers = host_.viewerCount();
-    std::lock_guard lock(mutex_);
-    if (ended_) return;
-    if (!authorized_) {
-        if (now - opened_ > TOKEN_WAIT) viewer_.close(CloseCode::unauthorized, "no token within 5 seconds");
-        return;
+    const size_t viewers = host_.viewerCount();
+    std::shared_ptr<View> looked;
+    double seconds = 0.0;
+    {
+        std::lock_guard lock(mutex_);
+        if (ended_) return;
+        if (!authorized_) {
+            if (now - opened_ > TOKEN_WAIT) viewer_.close(CloseCode::unauthorized, "no token within 5 seconds");
+            return;
+        }
+        if (viewer_.closeIfStalled(now) || now - statsAt_ < STATS_EVERY) return;
+        looked = view_;
+        seconds = std::chrono::duration<double>(now - statsAt_).count();
     }
-    if (viewer_.closeIfStalled(now)) return;
-    if (now - statsAt_ < STATS_EVERY || !scene_) return;
-    ViewerStats stats = viewer_.takeStats(std::chrono::duration<double>(now - statsAt_).count(), loop_.used());
+    std::optional<ViewerStats> stats = looked ? looked->stats(viewer_, seconds) : std::nullopt;
+    if (!stats) return;
+    stats->viewers = viewers;
+    stats->residentBytes = residentBytes();
+    std::lock_guard lock(mutex_);
     statsAt_ = now;
-    if (stats.device.empty()) stats.device = scene_->renderer->info().name;
-    stats.viewers = viewers;
-    stats.residentBytes = residentBytes();
-    viewer_.say(statsMessage(stats));
+    viewer_.say(statsMessage(*stats));
 }
 
-ViewerLoad Session::load(Clock::time_point now) const {
-    constexpr auto RECENT = 5s;
-    static const uint32_t processors = usableProcessors();
-    std::lock_guard lock(mutex_);
-    if (secondsPerFrame_ <= 0.0) return {0.0, request_.resolution.x > 0 || now - opened_ < RECENT};
-    return {secondsPerFrame_ + viewer_.pictureSeconds() / processors, now - frameAt_ < RECENT};
+std::optional<ViewerLoad> Session::load(Clock::time_point now) const {
+    if (std::shared_ptr<View> looked = view()) return looked->load(viewer_, now);
+    return ViewerLoad{0.0, now - opened_ < 5s};  // it has not said the token yet
 }
 
 void Session::notice(const std::string& what) {
@@ -390,7 +180,7 @@ void Session::notice(const std::string& what) {
     if (authorized_ && !ended_) viewer_.say(noticeMessage(what));
 }
 
-bool Session::draining() {
+bool Session::draining() const {
     std::lock_guard lock(mutex_);
     return draining_;
 }
@@ -402,20 +192,17 @@ void Session::drain(std::chrono::milliseconds atMost) {
     if (authorized_) viewer_.say(endingMessage(atMost));
 }
 
-bool Session::settled() {
-    std::lock_guard lock(mutex_);
-    const bool looks = authorized_ && scene_ && request_.resolution.x > 0 && !ended_;
-    return !looks || (shownInput_ == request_.inputId && viewer_.nothingOnItsWay());
+bool Session::settled() const {
+    std::shared_ptr<View> looked = view();
+    return !looked || looked->answered(viewer_);
 }
 
 void Session::end() {
-    std::shared_ptr<void> ticket;
-    std::lock_guard lock(mutex_);
-    ended_ = true;
-    std::swap(ticket, sceneTicket_);
-    sceneOrder_++;
-    meter_.drop();
-    loop_.stop();
+    {
+        std::lock_guard lock(mutex_);
+        ended_ = true;
+    }
+    leave();
 }
 
 }  // namespace heliograph

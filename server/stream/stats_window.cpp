@@ -1,5 +1,7 @@
 #include "server/stream/stats_window.h"
 
+#include <algorithm>
+
 namespace heliograph {
 
 void StatsWindow::frameSent(const EncodedFrame& frame) {
@@ -37,7 +39,8 @@ void StatsWindow::frameWritten(double waitSeconds, double writeSeconds) {
 ViewerStats StatsWindow::take(double seconds, Turns::Used used) {
     last_.framesPerSecond = seconds > 0.0 ? frames_ / seconds : 0.0;
     double all = used.all - usedBefore_.all;
-    last_.deviceShare = all > 0.0 ? (used.own - usedBefore_.own) / all : 0.0;
+    // Of another view than before where the viewer has gone to one.
+    last_.deviceShare = all > 0.0 ? std::clamp((used.own - usedBefore_.own) / all, 0.0, 1.0) : 0.0;
     usedBefore_ = used;
     if (frames_ > 0) {
         const double ms = 1000.0 / frames_;

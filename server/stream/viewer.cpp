@@ -126,7 +126,7 @@ PictureOrder Viewer::orderPicture(PictureFormat format) {
     std::lock_guard lock(mutex_);
     if (pictureAwaited_) throw InputError("picture", "one is being made", "one at a time");
     pictureAwaited_ = true;
-    return {++lastPicture_, format};
+    return {++lastPicture_, format, number_};
 }
 
 bool Viewer::dropPicture() {

@@ -16,6 +16,7 @@
     LIMIT(size_t, ADDRESS_LIMIT, 8192, "bytes", "path and query of a request; longer: HTTP 414")                             \
     LIMIT(size_t, HEADERS_LIMIT, 16384, "bytes", "the headers of a request; longer: HTTP 431")                               \
     LIMIT(size_t, SCENE_NAME_LIMIT, 256, "bytes", "the name of a scene; longer: `error`")                                    \
+    LIMIT(size_t, VIEW_ID_LIMIT, 64, "bytes", "the id of a view; longer: `error`")                                           \
     LIMIT(size_t, TOKEN_LIMIT, 4096, "bytes", "the token; longer: `error`")                                                  \
     LIMIT(uint64_t, MAX_PRESENTED_MS, 3600000, "ms", "`presentedMs` of an `ack`; more: `error`")                             \
     LIMIT(uint32_t, MIN_SIDE, 16, "pixels", "least width and height of a picture; less: `error`")                            \
