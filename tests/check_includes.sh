@@ -34,7 +34,8 @@ lab                  base kernel scene request film device schedule render
 loop                 base kernel scene request film device schedule render
 stream               base kernel scene scene/load request film device schedule render loop encode net net/guard
 operations           base kernel scene request film net net/guard stream
-app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard pool lab stream operations
+service              base kernel scene scene/load request film device schedule render loop encode net net/guard stream operations
+app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard pool lab stream operations service
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...

@@ -2,7 +2,7 @@
 
 #include "server/app/devices.h"
 #include "server/app/scene_options.h"
-#include "server/app/service.h"
+#include "server/service/service.h"
 #include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"

@@ -1,4 +1,4 @@
-#include "server/app/scene_cache.h"
+#include "server/service/scene_cache.h"
 
 #include "server/base/error.h"
 #include "tests/support/until.h"

@@ -1,4 +1,4 @@
-#include "server/app/service.h"
+#include "server/service/service.h"
 
 #include "server/base/clock.h"
 #include "server/base/log.h"

@@ -1,4 +1,4 @@
-#include "server/app/scene_cache.h"
+#include "server/service/scene_cache.h"
 
 #include "server/request/effect_rules.h"
 #include "server/base/clock.h"

@@ -1,6 +1,6 @@
 // The whole server over real sockets, with a device that traces nothing.
 
-#include "server/app/service.h"
+#include "server/service/service.h"
 
 #include "server/base/error.h"
 #include "server/film/film_shares.h"

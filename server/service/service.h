@@ -1,7 +1,7 @@
 #pragma once
 // The server put together: scenes, viewers and the port.
 
-#include "server/app/scene_cache.h"
+#include "server/service/scene_cache.h"
 #include "server/base/log.h"
 #include "server/net/guard/rate_limit.h"
 #include "server/net/socket_server.h"
