@@ -4,6 +4,7 @@
 import type { Presentation } from './picture/display.js';
 import type { StreamMeter } from './picture/stream_meter.js';
 import type { Frame } from './wire/frame.js';
+import { LONGEST_PRESENTED_MS } from './wire/limits.js';
 import type { ViewerState } from './viewer_state.js';
 
 export interface FrameHooks {
@@ -29,7 +30,7 @@ export class Frames {
 
   presented({ frame, decodeMs, time }: Presentation): void {
     const latency = this.meter_.presented(frame, decodeMs, time);
-    this.hooks_.acknowledge(frame.frameId, latency);
+    this.hooks_.acknowledge(frame.frameId, latency !== null && latency <= LONGEST_PRESENTED_MS ? latency : null);
     this.state_.lastFrame = frame;
     this.state_.framesPresented += 1;
   }

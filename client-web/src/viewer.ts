@@ -18,6 +18,7 @@ import {
   type ServerMessage,
   type SettingValue,
   type SettingValues,
+  type WatchingMessage,
 } from './wire/protocol.js';
 import { Restoring } from './reconnect.js';
 import { pictureSize, type ResolutionMode } from './picture/resolution.js';
@@ -26,6 +27,7 @@ import { ShownPartition } from './panels/partition/shown_partition.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
+import { DRIVEN_BY_OTHERS, viewOf, Watching, withoutView } from './watching.js';
 import { Connection, socketUrl, tokenOf, type ConnectionState } from './wire/socket.js';
 
 const RESIZE_DELAY = 150; // ms
@@ -40,6 +42,7 @@ export class Viewer {
   );
   readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
   readonly stream = new StreamMeter();
+  readonly watching = new Watching(viewOf(location.href));
 
   /** Set by the page. */
   onMessage: (message: Message) => void = () => undefined;
@@ -98,12 +101,14 @@ export class Viewer {
   }
 
   openScene(name: string): void {
+    if (this.drivenByOthers()) return;
     this.restoring_.cancel();
     this.connection_.send({ type: 'scene', name });
   }
 
   /** Shown at once; sent with the next animation frame, together with what else changes until then. */
   setSettings(values: SettingValues): void {
+    if (!this.watching.maySet(Object.keys(values)) && this.drivenByOthers()) return;
     if (this.pendingSettings_ === null) {
       this.pendingSettings_ = {};
       requestAnimationFrame(() => this.flushSettings());
@@ -130,6 +135,7 @@ export class Viewer {
   }
 
   togglePath(): void {
+    if (this.drivenByOthers()) return;
     if (!this.state.pathPlaying && this.state.ready?.paths.length === 0) {
       this.onMessage({ kind: 'notice', text: 'This scene has no camera path to play. Choose another scene.' });
       return;
@@ -149,6 +155,7 @@ export class Viewer {
 
   /** Asks what each effect costs here; the answer comes as state `effectCosts`. */
   measureEffects(): void {
+    if (this.drivenByOthers()) return;
     if (!this.connection_.isOpen || this.state.ready === null || this.effectCosts.state.name === 'measuring') return;
     this.connection_.send({ type: 'effectCosts' });
     this.effectCosts.asked();
@@ -157,14 +164,28 @@ export class Viewer {
   /** Asks for a sharp picture at this place of the window, CSS pixels; for servers with a lens only. */
   focusAt(x: number, y: number): void {
     const frame = this.state.lastFrame;
-    if (frame === null || this.settings.value('focusDistance') === undefined) return;
+    if (frame === null || this.settings.value('focusDistance') === undefined || this.watching.active) return;
     const window = this.canvas_.getBoundingClientRect();
     const place = placeInPicture(pictureBox(frame.width, frame.height, window.width, window.height), x, y);
     if (place !== null) this.connection_.send({ type: 'focus', inputId: this.nextInputId(), ...place });
   }
 
+  /** From a view of somebody else to one of one's own. */
+  leaveView(): void {
+    this.watching.leave();
+    history.replaceState(null, '', withoutView(location.href));
+    this.connection_.send({ type: 'watch', inputId: this.nextInputId() });
+  }
+
   resetView(): void {
+    if (this.drivenByOthers()) return;
     if (this.state.ready !== null) this.controller.jump(this.state.ready.camera, performance.now());
+  }
+
+  /** Says so where another viewer drives. */
+  private drivenByOthers(): boolean {
+    if (this.watching.active) this.onMessage({ kind: 'notice', text: DRIVEN_BY_OTHERS });
+    return this.watching.active;
   }
 
   private emit(topic: Topic): void {
@@ -219,6 +240,11 @@ export class Viewer {
         return this.effectCosts.answered(message, this.state.readyName);
       case 'partition':
         return this.partition.received(message);
+      case 'watching':
+        return this.watches(message);
+      case 'resolution':
+        this.state.given = { width: message.given[0], height: message.given[1] };
+        return this.emit('resolution');
       case 'stats':
         this.state.stats = message;
         return this.emit('stats');
@@ -244,7 +270,9 @@ export class Viewer {
     const before = this.state.hello;
     this.state.hello = hello;
     this.settings.setSchema(hello.schema);
-    if (before !== null && this.state.readyName !== '') this.restoring_.begin(this.state.readyName);
+    const watched = this.watching.begin();
+    this.controller.enabled = watched === null;
+    if (watched === null && before !== null && this.state.readyName !== '') this.restoring_.begin(this.state.readyName);
     if (before !== null && before.server !== hello.server) {
       this.onMessage({
         kind: 'notice',
@@ -253,9 +281,27 @@ export class Viewer {
     }
     this.emit('hello');
     this.emit('settings');
+    if (watched === null) this.drive();
+    else this.connection_.send({ type: 'watch', inputId: this.nextInputId(), view: watched });
+    this.emit('watching');
+  }
+
+  /** Tells the server what this page wants of its own view. */
+  private drive(): void {
     this.sendResolution();
     const values = this.settings.restorable();
     if (Object.keys(values).length > 0) this.setSettings(values);
+  }
+
+  private watches({ drives, camera, inputId }: WatchingMessage): void {
+    const began = this.watching.answered(drives);
+    this.controller.enabled = drives && !this.state.pathPlaying;
+    this.emit('watching');
+    if (!began) return;
+    if (inputId !== null) return this.drive(); // a view of one's own, as asked for; its scene is yet to come
+    if (camera !== null) this.controller.jump(camera, performance.now());
+    this.sendResolution();
+    this.onMessage({ kind: 'notice', text: 'Who drove this view has left. You drive it now.' });
   }
 
   private scene(message: SceneMessage): void {
@@ -294,7 +340,7 @@ export class Viewer {
     this.state.pathPlaying = playing;
     if (playing) this.state.pathResult = null;
     if (result !== null) this.state.pathResult = result;
-    this.controller.enabled = !playing;
+    this.controller.enabled = !playing && !this.watching.active;
     if (stopped) this.controller.resend(performance.now());
     this.emit('path');
   }
@@ -303,10 +349,19 @@ export class Viewer {
     if (about === 'picture') this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
     const names = about === 'settings' ? this.settings.refused(message, inputId) : [];
     if (about === 'scene') this.giveUpRestoring();
+    if (about === 'watch') this.watchRefused();
     if (about === 'effectCosts') return this.effectCosts.refused(message);
     if (names.length === 0) this.onMessage({ kind: 'error', text: message });
     this.emit('settings');
     this.emit('frame');
+  }
+
+  /** The view of the address is not there: this page drives the view of its own that it was greeted with. */
+  private watchRefused(): void {
+    this.watching.giveUp();
+    this.controller.enabled = true;
+    this.emit('watching');
+    this.drive();
   }
 
   private binary(buffer: ArrayBuffer): void {
@@ -323,6 +378,7 @@ export class Viewer {
   }
 
   private sendCamera(camera: Camera, moving: boolean, eventTime: number): void {
+    if (this.watching.active) return;
     const inputId = this.nextInputId();
     if (this.connection_.isOpen) this.stream.motionToPhoton.sent(inputId, eventTime);
     this.connection_.send({ type: 'camera', inputId, moving, ...camera });
@@ -355,7 +411,9 @@ export class Viewer {
 
   private sendResolution(): void {
     this.measure();
-    this.connection_.send({ type: 'resolution', inputId: this.nextInputId(), ...this.state.resolution });
+    this.state.given = null;
+    if (!this.watching.active)
+      this.connection_.send({ type: 'resolution', inputId: this.nextInputId(), ...this.state.resolution });
     this.emit('resolution');
   }
 }

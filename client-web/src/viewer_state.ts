@@ -16,7 +16,8 @@ export type Topic =
   | 'partition'
   | 'effectCosts'
   | 'camera'
-  | 'resolution';
+  | 'resolution'
+  | 'watching';
 
 export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
 
@@ -34,7 +35,8 @@ export interface ViewerState {
   framesDropped: number;
   lastInputId: number;
   picturesAwaited: number;
-  resolution: PictureSize;
+  resolution: PictureSize; // asked for
+  given: PictureSize | null; // what the server has memory for, where that is less
   resolutionMode: ResolutionMode;
 }
 
@@ -54,6 +56,7 @@ export function initialState(resolutionMode: ResolutionMode): ViewerState {
     lastInputId: 0,
     picturesAwaited: 0,
     resolution: { width: 0, height: 0 },
+    given: null,
     resolutionMode,
   };
 }

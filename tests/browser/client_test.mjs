@@ -1,12 +1,13 @@
 // The page in Chromium against a real server: what a visitor does, from the first picture to a server that dies and
 // comes back. HELIOGRAPH_BINARY names the server (default build/release/heliograph), HELIOGRAPH_CHROMIUM the browser.
-// Then what a real server seldom does, against the fake one (fake_test.mjs). Writes screenshots to out/browser.
+// Then two pages at one view (watch_test.mjs), and what a real server seldom does, against the fake one (fake_test.mjs). Writes screenshots to out/browser.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { fakeChecks } from './fake_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
+import { watchChecks } from './watch_test.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
 const PHONE = { width: 390, height: 844 };
@@ -384,6 +385,7 @@ try {
 } finally {
   await browser.stop();
   await server.kill();
+  await watchChecks(checks);
   await fakeChecks(checks);
   checks.finish();
 }

@@ -22,7 +22,7 @@ const omitted = (process.env.HELIOGRAPH_FAKE_OMIT ?? '').split(',');
 const SCHEMA = schema(omitted);
 
 /** What the tests change by /control?name=value, and what viewers said, which /received answers and forgets. */
-const control = { partition: 'on', costs: 'ready' };
+const control = { partition: 'on', costs: 'ready', given: '' };
 let received = [];
 
 const SCENES = [
@@ -59,6 +59,7 @@ class FakeViewer {
       protocol: 'heliograph.v1',
       server: '0.1.0-fake',
       viewer: 1,
+      view: '0123456789abcdef0123456789abcdef',
       schema: SCHEMA,
       devices: deviceKinds(),
       scenes: SCENES,
@@ -143,8 +144,7 @@ class FakeViewer {
       case 'scene':
         return this.open(message.name);
       case 'resolution':
-        this.size = { width: message.width, height: message.height };
-        return this.changed(message.inputId);
+        return this.resize(message);
       case 'camera':
         if (this.path === null) {
           this.camera = message;
@@ -178,6 +178,14 @@ class FakeViewer {
     Object.assign(this.settings, values);
     this.changed(inputId);
     this.say({ type: 'settings', values: this.settings, inputId });
+  }
+
+  resize({ width, height, inputId }) {
+    const given = control.given === '' ? [width, height] : control.given.split('x').map(Number);
+    this.size = { width: given[0], height: given[1] };
+    if (control.given !== '')
+      this.say({ type: 'resolution', wanted: [width, height], given, text: 'short', inputId });
+    this.changed(inputId);
   }
 
   measure() {
@@ -290,6 +298,7 @@ class FakeViewer {
         ? { tiles: { embree: 810, 'vulkan:0': 1280 }, parts: PARTS, scheduler: SCHEDULER }
         : {}),
       viewers: 1,
+      watchers: 0,
       residentBytes: 312_000_000,
       nonfiniteSamples: 0,
     });

@@ -303,6 +303,23 @@ async function focusChecks(checks, session) {
   });
 }
 
+async function sizeChecks(checks, session) {
+  await checks.check('a picture smaller than asked for is said where the size stands', async () => {
+    const size = session.field('resolution').locator('.resolution');
+    await session.ask('/control?given=640x400');
+    await session.field('resolution').locator('select').selectOption('full');
+    const words = 'given 640 \u00d7 400 of 1440 \u00d7 900 px: the server\u2019s memory for pictures is short';
+    const read = async () => (await size.textContent()).replace("'", '\u2019');
+    await until('the words', 5000, async () => (await read()) === words);
+    await session.screenshot('size-given');
+    const bad = [...(await badControls(session.page)), ...(await overlaps(session.page))];
+    expect(bad.length === 0, bad.join('\n'));
+    await session.ask('/control?given=');
+    await session.field('resolution').locator('select').selectOption('capped');
+    await until('the size alone', 5000, async () => /^\d+ \u00d7 \d+ px$/.test(await read()));
+  });
+}
+
 /** A server without a lens: the same gesture says nothing. */
 async function noLensCheck(checks) {
   const session = new Session();
@@ -383,6 +400,7 @@ export async function fakeChecks(checks) {
     await deviceStatistics(checks, session);
     await effectChecks(checks, session);
     await focusChecks(checks, session);
+    await sizeChecks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (fake server)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
     });

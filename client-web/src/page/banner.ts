@@ -23,7 +23,7 @@ export class Banner {
   ) {
     this.element.append(el('div', { class: 'banner-words' }, this.title_, this.text_), this.progress_, this.button_);
     this.button_.addEventListener('click', () => this.act_());
-    viewer_.on(['connection', 'scene', 'path'], () => this.refresh());
+    viewer_.on(['connection', 'scene', 'path', 'watching'], () => this.refresh());
     window.setInterval(() => {
       if (viewer_.state.connection.name === 'waiting') this.refresh();
     }, 250);
@@ -37,7 +37,13 @@ export class Banner {
     if (scene?.state === 'loading') return this.loading(displayName(scene.name), scene.what, scene.share);
     if (scene === null) return this.show('Connected', 'waiting for the scene', null);
     if (!pathPlaying && pathResult !== null && pathResult !== this.closedResult_) return this.result(pathResult);
+    if (this.viewer_.watching.active) return this.watching();
     this.element.hidden = true;
+  }
+
+  private watching(): void {
+    const text = 'Camera and settings are theirs; the JPEG quality is yours.';
+    this.show('You watch a view of somebody else', text, null, 'View of my own', () => this.viewer_.leaveView());
   }
 
   private connection(): void {

@@ -25,6 +25,8 @@ export interface Diagnostics {
   readonly settings: Readonly<Record<string, unknown>>; // as the server last said
   readonly camera: unknown;
   readonly pathPlaying: boolean;
+  readonly view: string | null; // the id of the view of its own that the server opened
+  readonly watching: boolean; // another viewer drives what is seen
 }
 
 declare global {
@@ -64,6 +66,8 @@ export function exposeDiagnostics(viewer: Viewer): void {
       settings: Object.fromEntries(settings.rows.map((row) => [row.name, settings.confirmed(row.name)])),
       camera: structuredClone(controller.camera),
       pathPlaying: state.pathPlaying,
+      view: state.hello?.view ?? null,
+      watching: viewer.watching.active,
     });
   };
   const diagnostics = Object.freeze(Object.defineProperty({}, 'state', { get: read, enumerable: true }));

@@ -1,5 +1,7 @@
 // Which picture size the page asks for.
 
+import { LARGEST_PIXELS, LARGEST_SIDE, SMALLEST_SIDE } from '../wire/limits.js';
+
 export type ResolutionMode = 'half' | 'capped' | 'full';
 
 export const RESOLUTION_MODES: readonly { readonly mode: ResolutionMode; readonly label: string }[] = [
@@ -9,13 +11,17 @@ export const RESOLUTION_MODES: readonly { readonly mode: ResolutionMode; readonl
 ];
 
 const CAPPED_PIXELS = 1920 * 1080;
-const LARGEST_PIXELS = 33_177_600;
-const SMALLEST_SIDE = 16;
-const LARGEST_SIDE = 8192;
 
 export interface PictureSize {
   readonly width: number;
   readonly height: number;
+}
+
+/** What stands beside the choice of a size. `given`: the size that the server has memory for, where that is less. */
+export function sizeText(wanted: PictureSize, given: PictureSize | null): string {
+  if (given === null) return `${wanted.width} × ${wanted.height} px`;
+  const words = `${given.width} × ${given.height} of ${wanted.width} × ${wanted.height} px`;
+  return `given ${words}: the server's memory for pictures is short`;
 }
 
 /**

@@ -1,8 +1,7 @@
 // The binary messages of docs/reference/protocol.md: a 64-byte header, little endian, and a picture.
 
+import { HEADER_BYTES } from './limits.js';
 import type { DeviceKind } from './protocol.js';
-
-export const HEADER_BYTES = 64;
 
 /** Something from the server that does not follow the protocol. */
 export class ProtocolError extends Error {}

@@ -97,6 +97,7 @@ export interface Hello {
   readonly protocol: string;
   readonly server: string;
   readonly viewer: number;
+  readonly view: string; // the id of its own view
   readonly schema: readonly SettingRow[];
   readonly devices: readonly DeviceKind[];
   readonly scenes: readonly SceneEntry[];
@@ -144,6 +145,7 @@ export interface Stats {
   readonly parts: readonly DevicePart[];
   readonly scheduler: SchedulerStats | null;
   readonly viewers: number;
+  readonly watchers: number; // of the view, beside who drives it
   readonly residentBytes: number;
   readonly nonfiniteSamples: number;
 }
@@ -157,12 +159,30 @@ export interface PathResult {
   readonly fpsMin: number;
 }
 
+/** Whose view is looked at. */
+export interface WatchingMessage {
+  readonly type: 'watching';
+  readonly view: string;
+  readonly drives: boolean;
+  readonly camera: Camera | null; // of the view, for who drives it
+  readonly inputId: number | null; // of the message that this answers
+}
+
+/** The picture is smaller than the page asked for. */
+export interface ResolutionMessage {
+  readonly type: 'resolution';
+  readonly wanted: readonly [number, number]; // pixels
+  readonly given: readonly [number, number];
+}
+
 export type ServerMessage =
   | Hello
   | SceneMessage
   | Stats
   | Partition
   | EffectCostsMessage
+  | WatchingMessage
+  | ResolutionMessage
   | { readonly type: 'settings'; readonly values: SettingValues; readonly inputId: number | null }
   | { readonly type: 'path'; readonly playing: boolean; readonly result: PathResult | null }
   | { readonly type: 'notice'; readonly text: string }
@@ -186,6 +206,24 @@ function cameraOf(value: unknown, where: string): Camera {
     forward: vectorOf(fields['forward'], `${where}.forward`),
     up: vectorOf(fields['up'], `${where}.up`),
     fieldOfView: numberOf(fields['fieldOfView'], 60),
+  };
+}
+
+function sizeOf(value: unknown, where: string): readonly [number, number] {
+  const [width, height] = listOf(value);
+  if (typeof width !== 'number' || typeof height !== 'number') {
+    throw new ProtocolError(`${where}: ${JSON.stringify(value)}, allowed: two numbers`);
+  }
+  return [width, height];
+}
+
+function watchingOf(fields: Fields): WatchingMessage {
+  return {
+    type: 'watching',
+    view: textOf(fields['view']),
+    drives: fields['drives'] === true,
+    camera: isObject(fields['camera']) ? cameraOf(fields['camera'], 'watching.camera') : null,
+    inputId: inputIdOf(fields['inputId']),
   };
 }
 
@@ -243,6 +281,7 @@ function helloOf(fields: Fields): Hello {
     protocol: textOf(fields['protocol']),
     server: textOf(fields['server']),
     viewer: numberOf(fields['viewer']),
+    view: textOf(fields['view']),
     schema: listOf(fields['schema']).map(settingRowOf),
     devices: listOf(fields['devices']).map(deviceKindOf),
     scenes: listOf(fields['scenes']).map((entry) => {
@@ -363,6 +402,7 @@ function statsOf(fields: Fields): Stats {
     parts: listOf(fields['parts']).map(devicePartOf),
     scheduler: schedulerOf(fields['scheduler']),
     viewers: numberOf(fields['viewers']),
+    watchers: numberOf(fields['watchers']),
     residentBytes: numberOf(fields['residentBytes']),
     nonfiniteSamples: numberOf(fields['nonfiniteSamples']),
   };
@@ -404,6 +444,14 @@ export function parseMessage(text: string): ServerMessage | null {
       return { type: 'settings', values: settingValuesOf(fields['values']), inputId: inputIdOf(fields['inputId']) };
     case 'path':
       return { type: 'path', playing: fields['playing'] === true, result: pathResultOf(fields['result']) };
+    case 'watching':
+      return watchingOf(fields);
+    case 'resolution':
+      return {
+        type: 'resolution',
+        wanted: sizeOf(fields['wanted'], 'resolution.wanted'),
+        given: sizeOf(fields['given'], 'resolution.given'),
+      };
     case 'notice':
       return { type: 'notice', text: textOf(fields['text']) };
     case 'error':

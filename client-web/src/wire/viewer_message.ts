@@ -15,5 +15,6 @@ export type ViewerMessage =
   | { type: 'path'; playing: boolean }
   | { type: 'effectCosts' }
   | { type: 'focus'; inputId: number; x: number; y: number } // 0..1 of the picture, from its top left corner
+  | { type: 'watch'; inputId: number; view?: string } // without a view: one of its own
   | { type: 'ping'; time: number }
   | { type: 'token'; token: string };

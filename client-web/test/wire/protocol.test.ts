@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { deviceNames, HEADER_BYTES, parseFrame, ProtocolError } from '../../src/wire/frame.js';
+import { deviceNames, parseFrame, ProtocolError } from '../../src/wire/frame.js';
+import { HEADER_BYTES } from '../../src/wire/limits.js';
 import { parseMessage } from '../../src/wire/protocol.js';
 
 const DEVICE_KINDS = [

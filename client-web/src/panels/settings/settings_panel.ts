@@ -2,11 +2,11 @@
 // among the rest.
 
 import { FIELD_OF_VIEW_HIGH, FIELD_OF_VIEW_LOW } from '../../camera/camera.js';
-import { el, icon } from '../../page/dom.js';
+import { el, icon, setText } from '../../page/dom.js';
 import { withoutUse } from './hybrid_rows.js';
 import type { Panel } from '../panel.js';
 import type { SettingRow } from '../../wire/protocol.js';
-import { RESOLUTION_MODES, type ResolutionMode } from '../../picture/resolution.js';
+import { RESOLUTION_MODES, sizeText, type ResolutionMode } from '../../picture/resolution.js';
 import { SettingField } from './settings_field.js';
 import { recall, remember } from '../../page/storage.js';
 import type { Viewer } from '../../viewer.js';
@@ -44,6 +44,8 @@ export class SettingsPanel {
   private fieldOfView_: SettingField | null = null;
   private fieldOfViewRow_ = FIELD_OF_VIEW_ROW;
   private resolution_ = el('span', { class: 'resolution' });
+  private sizes_: HTMLSelectElement | null = null;
+  private reset_: HTMLButtonElement | null = null;
 
   constructor(
     private readonly panel_: Panel,
@@ -55,6 +57,7 @@ export class SettingsPanel {
     viewer_.on(['scene'], () => this.noteEffects());
     viewer_.on(['camera'], () => this.refreshCamera());
     viewer_.on(['resolution'], () => this.refreshResolution());
+    viewer_.on(['watching'], () => this.refreshDriver());
   }
 
   private build(): void {
@@ -82,6 +85,7 @@ export class SettingsPanel {
     this.noteEffects();
     this.refreshCamera();
     this.refreshResolution();
+    this.refreshDriver();
   }
 
   private group(name: string, title: string, fields: readonly HTMLElement[]): HTMLElement {
@@ -131,6 +135,7 @@ export class SettingsPanel {
   private resolutionField(): HTMLElement {
     const options = RESOLUTION_MODES.map(({ mode, label }) => el('option', { value: mode }, label));
     const select = el('select', { id: 'resolution-mode' }, ...options);
+    this.sizes_ = select;
     select.value = this.viewer_.state.resolutionMode;
     select.addEventListener('change', () => {
       const chosen = RESOLUTION_MODES.find(({ mode }) => mode === select.value);
@@ -146,6 +151,7 @@ export class SettingsPanel {
   private resetButton(): HTMLElement {
     const button = el('button', { type: 'button', class: 'wide-button' }, icon('reset'), 'Reset to defaults');
     button.addEventListener('click', () => this.viewer_.setSettings(this.viewer_.settings.defaults()));
+    this.reset_ = button;
     return button;
   }
 
@@ -159,6 +165,7 @@ export class SettingsPanel {
       field.setError(model.error(row.name));
       const switchedOff = row.effect !== '' && row.type !== 'bool' && model.value(row.effect) === false;
       field.element.classList.toggle('idle', switchedOff);
+      field.setDisabled(!this.viewer_.watching.maySet([row.name]));
       if (row.group === 'hybrid') this.refreshHybrid(row, field);
     }
   }
@@ -167,7 +174,7 @@ export class SettingsPanel {
     const reason = withoutUse(row, (name) => this.viewer_.settings.value(name));
     field.setNote(reason);
     field.element.classList.toggle('idle', reason !== null);
-    if (row.name === 'hybridShare') field.setDisabled(reason !== null);
+    if (row.name === 'hybridShare' && reason !== null) field.setDisabled(true);
   }
 
   private noteEffects(): void {
@@ -190,8 +197,16 @@ export class SettingsPanel {
   }
 
   private refreshResolution(): void {
-    const { width, height } = this.viewer_.state.resolution;
-    this.resolution_.textContent = `${width} × ${height} px`;
+    const { resolution, given } = this.viewer_.state;
+    setText(this.resolution_, sizeText(resolution, given));
+  }
+
+  /** Who watches another viewer's view has nothing to choose but the JPEG quality. */
+  private refreshDriver(): void {
+    const watched = this.viewer_.watching.active;
+    this.fieldOfView_?.setDisabled(watched);
+    for (const button of [this.sizes_, this.reset_]) if (button !== null) button.disabled = watched;
+    this.refresh();
   }
 }
 

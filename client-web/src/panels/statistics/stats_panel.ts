@@ -9,6 +9,7 @@ import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from '..
 import { Window } from '../../picture/latency.js';
 import type { Panel } from '../panel.js';
 import type { Frame } from '../../wire/frame.js';
+import type { Stats } from '../../wire/protocol.js';
 import type { Numbers } from '../../wire/fields.js';
 import type { Viewer } from '../../viewer.js';
 import './stats_panel.css';
@@ -53,6 +54,10 @@ class Figure {
     );
   }
 }
+
+/** How many are at the server, and how many of them watch this view. */
+const viewersText = ({ viewers, watchers }: Stats): string =>
+  watchers === 0 ? whole(viewers) : `${whole(viewers)} (${whole(watchers)} ${watchers === 1 ? 'watches' : 'watch'} this view)`;
 
 export class StatsPanel {
   private readonly rate_ = new Figure('Frames', '/s', 'Pictures shown per second');
@@ -205,7 +210,7 @@ export class StatsPanel {
     this.fact('Picture', lastFrame === null ? UNKNOWN : `${lastFrame.width} × ${lastFrame.height} px`);
     this.fact('Data rate', `${((rate * 8) / 1e6).toFixed(1)} Mbit/s`);
     this.fact('Beside tracing', stats === null ? UNKNOWN : `${percent(stats.overheadShare)} of a frame`);
-    this.fact('Viewers', stats === null ? UNKNOWN : whole(stats.viewers));
+    this.fact('Viewers', stats === null ? UNKNOWN : viewersText(stats));
     this.fact('Server memory', stats === null ? UNKNOWN : bytes(stats.residentBytes));
     const bad = stats?.nonfiniteSamples ?? 0;
     const entry = this.fact('Non-finite samples', stats === null ? UNKNOWN : whole(bad));
