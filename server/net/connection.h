@@ -15,11 +15,13 @@ namespace heliograph {
 class Connection : public ViewerSocket {
 public:
     /// `wake` is called, from any thread, when there is something to write.
-    explicit Connection(std::function<void()> wake) : wake_(std::move(wake)) {}
+    explicit Connection(std::function<void()> wake, std::string address = {})
+        : wake_(std::move(wake)), address_(std::move(address)) {}
 
     void sendText(std::string text) override;
     std::optional<uint32_t> sendPicture(OutgoingPicture picture) override;
     void close(CloseCode code, const std::string& reason) override;
+    std::string address() const override { return address_; }
 
     // The rest is for the socket's thread.
 
@@ -57,6 +59,7 @@ private:
     static constexpr size_t PIECE_BYTES = 256 * 1024;  // of a picture, so that nothing is copied whole
 
     const std::function<void()> wake_;
+    const std::string address_;
     mutable std::mutex mutex_;
     std::deque<std::string> texts_;  // with headroom
     size_t textBytes_ = 0;

@@ -32,6 +32,7 @@ enum class CloseCode : uint16_t {
     serverError = 1011,
     tryAgainLater = 1013,  // no thread or no memory for another viewer
     unauthorized = 4001,   // no token within 5 seconds, or a wrong one
+    dismissed = 4003,      // by an admin
     stalled = 4008,        // frames on their way were not acknowledged for 10 seconds
 };
 

@@ -115,6 +115,7 @@ unsigned SocketLoop::sizeStatus(lws* wsi) {
 int SocketLoop::request(lws* wsi, std::string_view path) {
     if (const unsigned status = sizeStatus(wsi); status != 0) return refuse(wsi, status, TOO_LONG);
     if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
+    if (path == "/admin" || path.starts_with("/admin/")) return admin(wsi, path);
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0 && lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) <= 0) {
         return refuse(wsi, 405, "only GET is answered here");
     }
@@ -124,8 +125,8 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
         return answer(wsi, state.ready ? 200 : 503, "application/json", {std::move(state.json), {}, 0});
     }
     if (path == "/metrics") {
-        const Bearer bearer = bearerOf(wsi);
-        if (!options_.token.empty() && bearer != Bearer::right) return refuseBearer(wsi, bearer);
+        const Bearer bearer = options_.token.empty() ? Bearer::right : bearerOf(wsi, {options_.token, options_.adminToken});
+        if (bearer != Bearer::right) return refuseBearer(wsi, bearer);
         return answer(wsi, 200, "text/plain; version=0.0.4", {handler_.metricsText(), {}, 0});
     }
     if (path == "/ws") return refuse(wsi, 426, "WebSocket is spoken here");
@@ -173,16 +174,39 @@ int SocketLoop::writeAnswer(lws* wsi) {
     return lws_http_transaction_completed(wsi) ? -1 : 0;
 }
 
-SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi) {
+/// The admin's answer to a path below /admin.
+int SocketLoop::admin(lws* wsi, std::string_view path) {
+    if (options_.adminToken.empty()) return refuse(wsi, 404, "there are no admins (--admin-token-file)");
+    const Bearer bearer = bearerOf(wsi, {options_.adminToken});
+    if (bearer != Bearer::right) return refuseBearer(wsi, bearer);
+    constexpr std::pair<lws_token_indexes, const char*> METHODS[] = {
+        {WSI_TOKEN_GET_URI, "GET"}, {WSI_TOKEN_POST_URI, "POST"}, {WSI_TOKEN_DELETE_URI, "DELETE"}};
+    const auto* method = std::ranges::find_if(METHODS, [&](const auto& m) { return lws_hdr_total_length(wsi, m.first) > 0; });
+    if (method == std::end(METHODS)) return refuse(wsi, 405, "only GET, POST and DELETE are answered here");
+    SocketHandler::AdminAnswer said = handler_.admin(method->second, path);
+    if (method->first == WSI_TOKEN_GET_URI) return answer(wsi, said.status, "application/json", {std::move(said.json), {}, 0});
+    return sayLast(wsi, said.status, "application/json", said.json, 0.0);  // a body that may come is not read
+}
+
+std::string SocketLoop::addressOf(lws* wsi) const {
+    const auto link = links_.find(wsi);
+    return link == links_.end() ? "" : link->second.address;
+}
+
+SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi, std::initializer_list<std::string_view> secrets) {
     constexpr std::string_view scheme = "Bearer ";
-    if (options_.token.empty() || lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_AUTHORIZATION) <= 0) return Bearer::none;
-    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
+    if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_AUTHORIZATION) <= 0) return Bearer::none;
+    const std::string address = addressOf(wsi);
     const double now = wallSeconds();
     // As long as it lasts the right token does not pass either, else guessing would go on.
     if (guard_.lockedFor(address, now) > 0.0) return Bearer::locked;
     const std::string authorization = headerOf(wsi, WSI_TOKEN_HTTP_AUTHORIZATION);
-    if (strncasecmp(authorization.c_str(), scheme.data(), scheme.size()) == 0 &&
-        sameSecret(std::string_view(authorization).substr(scheme.size()), options_.token)) {
+    bool right = false;
+    if (strncasecmp(authorization.c_str(), scheme.data(), scheme.size()) == 0) {
+        for (std::string_view secret : secrets)  // all, so that the time tells of none
+            right = sameSecret(std::string_view(authorization).substr(scheme.size()), secret) || right;
+    }
+    if (right) {
         guard_.right(address);
         return Bearer::right;
     }
@@ -193,8 +217,7 @@ SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi) {
 
 int SocketLoop::refuseBearer(lws* wsi, Bearer bearer) {
     if (bearer != Bearer::locked) return refuse(wsi, 401, "Authorization: Bearer with the token is needed");
-    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
-    return refuse(wsi, 429, "too many wrong tokens from this address", guard_.lockedFor(address, wallSeconds()));
+    return refuse(wsi, 429, "too many wrong tokens from this address", guard_.lockedFor(addressOf(wsi), wallSeconds()));
 }
 
 bool SocketLoop::namesUs(lws* wsi) const {
@@ -206,11 +229,15 @@ bool SocketLoop::namesUs(lws* wsi) const {
 int SocketLoop::refuse(lws* wsi, unsigned status, const std::string& why, double retryAfter) {
     handler_.refused(status, why);
     note(wsi, "refused: " + std::to_string(status) + " " + why);
-    const std::string body = why + "\n";
+    return sayLast(wsi, status, "text/plain", why + "\n", retryAfter);
+}
+
+/// An answer after which the connection ends.
+int SocketLoop::sayLast(lws* wsi, unsigned status, const std::string& mimeType, const std::string& body, double retryAfter) {
     const bool head = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
     unsigned char buffer[LWS_PRE + HEADER_BYTES];
     unsigned char *begin = buffer + LWS_PRE, *at = begin, *end = buffer + sizeof buffer - 1;
-    if (!addHeaders(wsi, status, "text/plain", body.size(), retryAfter, at, end)) return -1;
+    if (!addHeaders(wsi, status, mimeType, body.size(), retryAfter, at, end)) return -1;
     if (lws_finalize_write_http_header(wsi, begin, &at, end)) return -1;
     if (head) return 1;
     std::memcpy(begin, body.data(), std::min<size_t>(body.size(), HEADER_BYTES));

@@ -12,7 +12,7 @@ namespace heliograph {
 
 namespace {
 
-std::string addressOf(int descriptor) {
+std::string peerOf(int descriptor) {
     char text[64] = "";
     return lws_get_peer_simple_fd(descriptor, text, sizeof text) ? text : "";
 }
@@ -55,7 +55,7 @@ void SocketLoop::listenAgain() {
 
 /// Someone wants to connect: false turns it away. Where there is no room, an idle connection gives way.
 bool SocketLoop::connects(int descriptor) {
-    const std::string address = addressOf(descriptor);
+    const std::string address = peerOf(descriptor);
     const auto stays = [](const auto& link) { return !link.second.leaving; };
     const auto ofAddress = [&](const auto& link) { return stays(link) && link.second.address == address; };
     const auto all = static_cast<size_t>(std::ranges::count_if(links_, stays));
@@ -81,7 +81,7 @@ bool SocketLoop::connects(int descriptor) {
 void SocketLoop::connected(lws* wsi) {
     pauseSaid_ = false;
     const auto now = Clock::now();
-    links_.insert_or_assign(wsi, Link{addressOf(lws_get_socket_fd(wsi)), now, WriteWatch(now), reserveNext_, false});
+    links_.insert_or_assign(wsi, Link{peerOf(lws_get_socket_fd(wsi)), now, WriteWatch(now), reserveNext_, false});
 }
 
 /// Connections that no viewer looks through: those on HTTP, or the guests.
@@ -112,7 +112,7 @@ void SocketLoop::note(lws* wsi, const std::string& what, std::optional<CloseCode
         notesLeftOut_++;
         return;
     }
-    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
+    const std::string address = addressOf(wsi);
     nlohmann::ordered_json fields = {{"address", address}};
     if (code) fields["code"] = static_cast<int>(*code);
     logWith(LogLevel::info, address + ": " + what + (code ? ", code " + std::to_string(static_cast<int>(*code)) : ""),

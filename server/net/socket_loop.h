@@ -107,13 +107,16 @@ private:
     int viewer(lws* wsi, lws_callback_reasons reason, std::string_view in);
     int request(lws* wsi, std::string_view path);
     unsigned sizeStatus(lws* wsi);
+    int admin(lws* wsi, std::string_view path);
+    std::string addressOf(lws* wsi) const;
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
     int upgrade(lws* wsi);
     int refuse(lws* wsi, unsigned status, const std::string& why, double retryAfter = 0.0);
+    int sayLast(lws* wsi, unsigned status, const std::string& mimeType, const std::string& body, double retryAfter);
     /// The token that came with the request.
     enum class Bearer { none, wrong, locked, right };
-    Bearer bearerOf(lws* wsi);
+    Bearer bearerOf(lws* wsi, std::initializer_list<std::string_view> secrets);
     int refuseBearer(lws* wsi, Bearer bearer);
     void wrongToken(const std::string& address);
     std::string noRoom();

@@ -15,6 +15,7 @@ struct SocketAccess {
     std::string certificateFile;  // PEM; with keyFile: TLS
     std::string keyFile;
     std::string token;                        // empty: none is asked for
+    std::string adminToken;                   // empty: there are no admins
     std::vector<std::string> allowedOrigins;  // beside the server's own, as "https://example.org"
     size_t maxViewers = MAX_VIEWERS;
 };
@@ -56,6 +57,12 @@ public:
     virtual bool ending() = 0;
     /// Empty when another viewer may enter, else why not now.
     virtual std::string mayEnter() { return {}; }
+    struct AdminAnswer {
+        unsigned status = 404;
+        std::string json;
+    };
+    /// Someone with the admin's token asks for a path below /admin.
+    virtual AdminAnswer admin(std::string_view, std::string_view) { return {404, "{}\n"}; }
     /// The socket's thread moves; comes some time after SocketServer::wake.
     virtual void turned() = 0;
 };

@@ -44,7 +44,7 @@ int SocketLoop::upgrade(lws* wsi) {
     if (!originAllowed(origin, host, options_.allowedOrigins, loopbackOnly)) {
         return refuse(wsi, 403, "pages of another origin may not connect");
     }
-    const Bearer bearer = bearerOf(wsi);
+    const Bearer bearer = options_.token.empty() ? Bearer::none : bearerOf(wsi, {options_.token});
     if (bearer == Bearer::wrong || bearer == Bearer::locked) return refuseBearer(wsi, bearer);
     if (auto link = links_.find(wsi); link != links_.end() && link->second.reserved)
         return refuse(wsi, 503, "too many connections", RETRY_SECONDS);
@@ -93,7 +93,7 @@ void SocketLoop::open(lws* wsi) {
     const bool authorized = authorized_.erase(wsi) > 0, guest = !options_.token.empty() && !authorized;
     if (guest) makeRoomForGuest();
     const auto now = Clock::now();
-    auto connection = std::make_shared<Connection>([waker = waker_] { (*waker)(); });
+    auto connection = std::make_shared<Connection>([waker = waker_] { (*waker)(); }, addressOf(wsi));
     Viewer& viewer = viewers_.emplace(wsi, Viewer{connection, WriteWatch(now), {}, nullptr, now, {}, {}}).first->second;
     if (const auto consumed = consumedBytes(lws_get_socket_fd(wsi)))
         viewer.ledger.emplace(tls_ ? WireLedger::Wire::tls : WireLedger::Wire::plain, *consumed);
@@ -112,7 +112,7 @@ void SocketLoop::enter(lws* wsi, Viewer& viewer, bool authorized) {
 /// The token came as the first message, or something else did.
 void SocketLoop::takeToken(lws* wsi, Viewer& viewer) {
     if (viewer.wrongToken || viewer.connection->closeAsked()) return;
-    const std::string address = links_.contains(wsi) ? links_.at(wsi).address : "";
+    const std::string address = addressOf(wsi);
     std::string token;
     try {
         if (viewer.guest->said->size() > 2 * TOKEN_LIMIT)

@@ -29,6 +29,8 @@ public:
     virtual std::optional<uint32_t> sendPicture(OutgoingPicture picture) = 0;
     /// Sends what waits as text, then closes.
     virtual void close(CloseCode code, const std::string& reason) = 0;
+    /// Where the viewer connects from; empty where that is not known.
+    virtual std::string address() const { return {}; }
 };
 
 /// The other side: what the socket tells the session. Called from the socket's thread only.

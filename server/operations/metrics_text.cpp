@@ -36,6 +36,7 @@ constexpr std::optional<CloseCode> CLOSE_CODES[] = {std::nullopt,
                                                     CloseCode::serverError,
                                                     CloseCode::tryAgainLater,
                                                     CloseCode::unauthorized,
+                                                    CloseCode::dismissed,
                                                     CloseCode::stalled};
 constexpr unsigned REFUSAL_STATUSES[] = {400, 401, 403, 404, 405, 429, 503};
 constexpr const char* LOAD_OUTCOMES[] = {"ready", "failed", "abandoned"};
@@ -194,6 +195,7 @@ std::string closeReason(std::optional<CloseCode> code) {
         case CloseCode::messageTooBig: return "message_too_big";
         case CloseCode::serverError: return "server_error";
         case CloseCode::unauthorized: return "unauthorized";
+        case CloseCode::dismissed: return "admin";
         case CloseCode::stalled: return "stalled";
         default: return "other";
     }

@@ -8,6 +8,7 @@ namespace heliograph {
 
 std::optional<NotReady> notReady(const ReadinessFacts& facts) {
     if (facts.ending) return NotReady{"draining", "the server ends"};
+    if (facts.closed) return NotReady{"draining", "an admin lets nobody else in"};
     if (!facts.stuck.empty()) {
         std::string names;
         for (const std::string& name : facts.stuck) names += (names.empty() ? "" : ", ") + name;

@@ -11,6 +11,7 @@ namespace heliograph {
 /// What is known of the service.
 struct ReadinessFacts {
     bool ending = false;
+    bool closed = false;       // by an admin: nobody else is let in
     std::string scene;         // where viewers start
     bool sceneThere = false;   // in memory, ready to be rendered
     std::string sceneFailure;  // why it is not, where it failed

@@ -36,6 +36,10 @@ const OptionRow ROWS[] = {
     {"set", &O::settings, "KEY=VALUE", "What viewers start with; may be given several times", true, 0, 0, checkSetting},
     {"token-file", &O::tokenFile, "FILE",
      "File whose first line is the secret that viewers have to know (open the page with #token=SECRET)", true},
+    {"admin-token-file", &O::adminTokenFile, "FILE",
+     "File whose first line is the secret of admins: over /admin they list viewers, disconnect one, open scenes\nand let "
+     "nobody else in. Without it there are none",
+     true},
     {"insecure", &O::insecure, "", "Serve other machines without a token"},
     {"tls-cert", &O::certificate, "FILE", "Certificate for https (PEM)", true},
     {"tls-key", &O::key, "FILE", "Its key (PEM)", true},

@@ -19,7 +19,7 @@ struct ServeOptions {
     std::vector<std::string> devices;   // empty: all that are here
     std::string environment;            // file, or empty
     std::vector<std::string> settings;  // key=value, later ones win
-    std::string tokenFile;
+    std::string tokenFile, adminTokenFile;
     bool insecure = false;
     std::string certificate, key;
     std::string client;

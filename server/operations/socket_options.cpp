@@ -1,11 +1,22 @@
 #include "server/operations/socket_options.h"
 
 #include "server/base/error.h"
+#include "server/base/log.h"
 #include "server/net/guard/token.h"
 
 #include <filesystem>
 
 namespace heliograph {
+
+namespace {
+
+std::string tokenOf(const std::string& file) {
+    std::string token = readTokenFile(file);
+    if (const std::string warning = readableByAll(file); !warning.empty()) log().warn("{}", warning);
+    return token;
+}
+
+}  // namespace
 
 std::string clientFolder(const std::string& given) {
     namespace fs = std::filesystem;
@@ -23,7 +34,10 @@ std::string clientFolder(const std::string& given) {
 SocketOptions socketOptions(const ServeOptions& options) {
     SocketOptions socket;
     socket.listen = parseListenAddress(options.listen);
-    if (!options.tokenFile.empty()) socket.token = readTokenFile(options.tokenFile);
+    if (!options.tokenFile.empty()) socket.token = tokenOf(options.tokenFile);
+    if (!options.adminTokenFile.empty()) socket.adminToken = tokenOf(options.adminTokenFile);
+    if (!socket.adminToken.empty() && socket.adminToken == socket.token)
+        throw InputError("--admin-token-file", "the token of viewers", "another one, which entitles to more");
     if (!isLoopback(socket.listen.host) && socket.token.empty() && !options.insecure) {
         throw InputError("--listen", options.listen + " can be reached from other machines",
                          "that with --token-file FILE, or with --insecure to let everybody in; or 127.0.0.1");

@@ -97,6 +97,7 @@ std::vector<std::shared_ptr<Session>> Service::sessions() const {
 std::optional<NotReady> Service::unready() const {
     ReadinessFacts facts;
     facts.ending = ending_;
+    facts.closed = closed_;
     facts.scene = options_.scenes.front().name;
     facts.stuck = stuck();
     facts.crowded = tooCrowded();
@@ -115,7 +116,7 @@ SocketHandler::Readiness Service::readiness() {
     return {!state, readinessJson(state)};
 }
 
-std::string Service::mayEnter() { return tooCrowded(); }
+std::string Service::mayEnter() { return closed_ ? "the server is being drained" : tooCrowded(); }
 
 /// Why another viewer would see too few frames; empty where it would not.
 std::string Service::tooCrowded() const {
@@ -171,6 +172,7 @@ std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket
             SessionHost& host = *this;
             session = std::make_shared<Session>(++lastViewer_, host, socket, std::move(options));
             sessions_.push_back(session);
+            entries_[session->viewer()] = {socket, std::chrono::steady_clock::now()};
         }
         logWith(lineLevel(), "viewer " + std::to_string(session->viewer()) + ": connected", {{"viewer", session->viewer()}});
         session->begin();
@@ -193,6 +195,7 @@ void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> 
     {
         std::lock_guard lock(mutex_);
         std::erase(sessions_, session);
+        entries_.erase(session->viewer());
         ended_.push_back(std::move(session));
     }
     someEnded_.notify_all();

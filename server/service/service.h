@@ -72,11 +72,15 @@ private:
     std::string metricsText() override;
     Readiness readiness() override;
     std::string mayEnter() override;
+    AdminAnswer admin(std::string_view method, std::string_view path) override;
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
 
     std::vector<std::shared_ptr<Session>> sessions() const;
     std::string tooCrowded() const;
+    nlohmann::ordered_json viewersJson() const;
+    bool disconnect(uint32_t viewer);
+    void openForAdmin(const std::string& name);
     LogLevel lineLevel();
     void attend(std::stop_token stop);
     void reap(std::stop_token stop);
@@ -97,19 +101,26 @@ private:
         ended_;                            // sessions and views to be destroyed by the reaper, which waits for their threads
     std::map<uint32_t, uint64_t> pixels_;  // granted, by view
     ServiceReload current_{options_.socket, options_.defaults, options_.watchdog};
+    struct Entry {
+        std::shared_ptr<ViewerSocket> socket;
+        std::chrono::steady_clock::time_point since;
+    };
+    std::map<uint32_t, Entry> entries_;  // by viewer
     uint32_t lastViewer_ = 0;
     RateLimit lines_{10.0, 100.0};          // of the log; the socket's thread alone
     std::shared_ptr<ResidentScene> start_;  // stays in memory, so that a newcomer always sees something at once
     std::string startFailure_;
 
     std::atomic<bool> ending_{false};
-    std::atomic<uint64_t> left_{0};  // viewers and loads that are over
+    std::atomic<bool> closed_{false};  // by an admin: those inside stay
+    std::atomic<uint64_t> left_{0};    // viewers and loads that are over
     Liveness liveness_;
     Liveness::Part& socketPart_ = liveness_.add("socket");
     Liveness::Part& attendantPart_ = liveness_.add("attendant");
 
     SceneCache cache_;                  // after the sessions: its devices tell them of faults for as long as they live
     std::shared_ptr<void> firstScene_;  // ticket
+    std::map<std::string, std::shared_ptr<void>> adminScenes_;  // tickets; the socket's thread alone
     SocketServer socket_;
     std::jthread attendant_, reaper_;
 };

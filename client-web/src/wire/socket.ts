@@ -20,7 +20,8 @@ const LONGEST_DELAY = 5000; // ms
 const PING_INTERVAL = 2000; // ms
 const SILENCE_LIMIT = 10_000; // ms that a ping may stay without any answer
 
-const UNAUTHORIZED = 4001; // close code
+const UNAUTHORIZED = 4001; // close codes
+const DISMISSED = 4003;
 const NEEDS_TOKEN = 'This server asks for a token. Add #token=… to the address of the page.';
 const WRONG_TOKEN = 'The server refused the token. Check #token=… in the address of the page and reload it.';
 
@@ -83,6 +84,7 @@ export class Connection {
     };
     socket.onclose = (event) => {
       if (event.code === UNAUTHORIZED) this.stop(this.token_ === null ? NEEDS_TOKEN : WRONG_TOKEN);
+      else if (event.code === DISMISSED) this.stop('The operator of the server closed this connection.');
       else this.lost(event.reason);
     };
   }

@@ -328,6 +328,70 @@ TEST(Service, SaysWhyItIsNotReady) {
     EXPECT_EQ(readiness(service.port())["reason"], "draining");
 }
 
+test::HttpAnswer ask(int port, const std::string& method, const std::string& path, const std::string& token) {
+    WebClient client(port);
+    client.send(method + " " + path + " HTTP/1.1\r\nHost: localhost\r\n" +
+                (token.empty() ? "" : "Authorization: Bearer " + token + "\r\n") + "\r\n");
+    return client.readAnswer();
+}
+
+TEST(Service, AdminsListDisconnectOpenAndDrain) {
+    const std::string token = "the-admins-own-secret";
+    ServiceOptions withAdmin = options();
+    withAdmin.socket.adminToken = token;
+    Service service(std::move(withAdmin));
+    std::latch loaded(1);
+    service.start([&](std::exception_ptr) { loaded.count_down(); });
+    loaded.wait();
+    const int port = service.port();
+    EXPECT_EQ(ask(port, "GET", "/admin/viewers", token).body, "{\"viewers\":[]}\n");
+    Viewer stays(port), goes(port);
+    stays.size(64, 64, 1);
+    stays.untilInput(1);
+    goes.size(64, 64, 1);
+    goes.untilInput(1);
+    const json list = json::parse(ask(port, "GET", "/admin/viewers", token).body)["viewers"];
+    ASSERT_EQ(list.size(), 2u);
+    EXPECT_EQ(list[0]["viewer"], 1);
+    EXPECT_EQ(list[0]["address"], "127.0.0.1");
+    EXPECT_EQ(ask(port, "DELETE", "/admin/viewers/7", token).status, 404);
+    EXPECT_EQ(ask(port, "DELETE", "/admin/viewers/2", token).body, "{\"disconnected\":2}\n");
+    while (goes.nextFrame()) {}
+    EXPECT_TRUE(until([&] { return ask(port, "GET", "/metrics", "").body.find("reason=\"admin\"} 1") != std::string::npos; }));
+
+    EXPECT_EQ(json::parse(ask(port, "GET", "/admin/scenes", token).body)["scenes"], json({"first", "second", "bad"}));
+    EXPECT_EQ(ask(port, "POST", "/admin/scenes/third", token).status, 404);
+    EXPECT_EQ(ask(port, "POST", "/admin/scenes/second", token).status, 202);
+    EXPECT_TRUE(until([&] { return ask(port, "GET", "/metrics", "").body.find("resident_scenes 2") != std::string::npos; }));
+
+    EXPECT_EQ(ask(port, "GET", "/admin/drain", token).status, 405);
+    EXPECT_EQ(ask(port, "POST", "/admin/drain", token).body, "{\"draining\":true}\n");
+    EXPECT_EQ(ask(port, "GET", "/readyz", "").status, 503);
+    EXPECT_EQ(WebClient(port).upgrade(OURS).status, 503);
+    stays.look(2);
+    stays.untilInput(2);
+    EXPECT_EQ(ask(port, "DELETE", "/admin/drain", token).status, 200);
+    EXPECT_EQ(ask(port, "GET", "/readyz", "").status, 200);
+    EXPECT_EQ(WebClient(port).upgrade(OURS).status, 101);
+}
+
+TEST(Service, OnlyAdminsAreAdmins) {
+    const std::string token = "the-admins-own-secret", viewers = "the-secret-of-viewers";
+    ServiceOptions both = options();
+    both.socket.adminToken = token;
+    both.socket.token = viewers;
+    Service service(std::move(both)), without(options());
+    for (Service* s : {&service, &without}) s->start([](std::exception_ptr) {});
+    EXPECT_EQ(ask(without.port(), "GET", "/admin/viewers", token).status, 404);
+    EXPECT_EQ(ask(service.port(), "GET", "/metrics", token).status, 200);
+    EXPECT_EQ(ask(service.port(), "GET", "/admin/viewers", "").status, 401);
+    EXPECT_EQ(ask(service.port(), "POST", "/admin/drain", viewers).status, 401);
+    EXPECT_FALSE(ask(service.port(), "GET", "/admin/viewers", viewers).header("www-authenticate").empty());
+    EXPECT_EQ(ask(service.port(), "GET", "/admin/nothing", token).status, 404);
+    for (int i = 0; i < FREE_GUESSES + 1; i++) ask(service.port(), "GET", "/admin/viewers", "a guess");
+    EXPECT_EQ(ask(service.port(), "GET", "/admin/viewers", token).status, 429) << "guessed too often";
+}
+
 TEST(Service, DrainAnswersTheLastInput) {
     Running s;
     Viewer a(s.service.port());
