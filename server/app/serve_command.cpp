@@ -155,8 +155,10 @@ private:
 
     /// Tells the service manager that all is well, if it is; else the log, once.
     void lookAround() {
-        const std::vector<std::string> stuck = service_.stuck();
+        std::vector<std::string> stuck = service_.stuck();
         if (stuck.empty() && manager_.watchdogEvery()) manager_.alive();
+        // A view that is stuck is no reason to begin the server anew.
+        std::ranges::move(service_.stuckViews(), std::back_inserter(stuck));
         if (stuck == stuck_) return;
         for (const std::string& part : stuck) log().error("{}: has not moved for long", part);
         if (stuck.empty()) log().info("everything moves again");

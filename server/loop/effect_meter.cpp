@@ -60,6 +60,11 @@ void EffectMeter::drop() {
     current_.request_stop();
 }
 
+std::optional<RunningStage> EffectMeter::stage(uint32_t viewer) const {
+    const std::optional<double> seconds = passes_.held();
+    return seconds ? std::optional(RunningStage{viewer, "effect costs", *seconds}) : std::nullopt;
+}
+
 void EffectMeter::run(std::stop_token stop) {
     while (true) {
         Order order;

@@ -2,6 +2,7 @@
 // What each effect costs in a viewer's view, measured on demand beside the viewer's own frames. Its frames take turns on the
 // device like those of any viewer (turns.h), so nobody waits longer than for one viewer more; only time within turns counts.
 
+#include "server/base/stage_clock.h"
 #include "server/request/effect_pair.h"
 #include "server/loop/finished_frame.h"
 
@@ -54,6 +55,8 @@ public:
     void measure(Order order);
     /// Drops what is under way, without news and without waiting.
     void drop();
+    /// A frame of it that the device is at. `viewer`: for whom.
+    std::optional<RunningStage> stage(uint32_t viewer) const;
 
 private:
     struct Round;

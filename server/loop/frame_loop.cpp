@@ -85,6 +85,11 @@ void FrameLoop::stop() {
     if (pass_.running) pass_.stop.request_stop();
 }
 
+std::optional<RunningStage> FrameLoop::stage(uint32_t viewer) const {
+    if (const std::optional<double> seconds = passes_.held()) return RunningStage{viewer, "render", *seconds};
+    return stages_.running(viewer);
+}
+
 void FrameLoop::run(std::stop_token stop) {
     while (!stop.stop_requested()) {
         uint64_t seen = 0;
@@ -145,7 +150,11 @@ uint64_t FrameLoop::takeNews() {
 
 bool FrameLoop::step() {
     if (std::optional<FocusRequest> asked = std::exchange(focus_, std::nullopt); asked && resident_) {
-        receiver_.focused(*asked, resident_->renderer->depthAlong(asked->ray));
+        const DepthAnswer answer = [&] {
+            auto span = stages_.enter("focus");
+            return resident_->renderer->depthAlong(asked->ray);
+        }();
+        receiver_.focused(*asked, answer);
     }
     const LoopAction action = next(state());
     switch (action) {
@@ -206,7 +215,10 @@ void FrameLoop::renderFilm() {
     pictureTurn_ = true;
     const uint32_t first = film_.samples();
     std::stop_token cancelled = beginPass(*film_.view(), first, true);
-    resident_->renderer->prepare(film_.view()->settings);  // others go on rendering meanwhile
+    {
+        auto span = stages_.enter("prepare");
+        resident_->renderer->prepare(film_.view()->settings);  // others go on rendering meanwhile
+    }
     std::optional<Turns::Turn> turn = passes_.take(cancelled);
     if (!turn) return endPass(false);
     if (first == 0) useLatestRequest();

@@ -3,6 +3,7 @@
 // with other loops by taking turns (turns.h). While the viewer moves, every frame is one pass of one sample; at rest passes
 // accumulate up to the `samples` setting. What it does next is decided in loop_rules.h.
 
+#include "server/base/stage_clock.h"
 #include "server/loop/path_run.h"
 #include "server/loop/picture_job.h"
 
@@ -37,6 +38,8 @@ public:
     void stop();
     /// Seconds that this loop and that all loops have used the device.
     Turns::Used used() const { return passes_.used(); }
+    /// What it is at that may last: the device has the thread. `viewer`: for whom.
+    std::optional<RunningStage> stage(uint32_t viewer) const;
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -72,6 +75,8 @@ private:
     Turns& turns_;
     FrameReceiver& receiver_;
     PassRenderer passes_;
+
+    StageClock stages_;  // beside passes
 
     // Between threads, under mutex_.
     mutable std::mutex mutex_;

@@ -52,6 +52,8 @@ public:
     /// Another scene: its tiles take another time.
     void forget() { secondsPerPixel_ = workerSecondsPerPixel_ = 0.0; }
     Turns::Used used() const { return turns_->used(account_); }
+    /// Seconds for which it has had the device in the turn in progress.
+    std::optional<double> held() const { return turns_->held(account_); }
 
 private:
     uvec2 cellFor(uvec2 wanted) const;

@@ -21,12 +21,13 @@ std::optional<Turns::Turn> Turns::take(Account& account, std::stop_token stop) {
     waiting_.push_back({&account, std::max(now_, account.finish_), &called});
     const bool mine = called.wait(lock, stop, [&] {
         wakeUps_++;
-        return !taken_ && next()->account == &account;
+        return !holder_ && next()->account == &account;
     });
     const auto self = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiter& w) { return w.account == &account; });
     if (mine) {
         now_ = self->start;
-        taken_ = true;
+        holder_ = &account;
+        heldSince_ = clock_();
     }
     waiting_.erase(self);
     if (mine) return Turn(*this, account);
@@ -37,7 +38,7 @@ std::optional<Turns::Turn> Turns::take(Account& account, std::stop_token stop) {
 
 /// With the lock held: the one who is next is woken, and nobody else.
 void Turns::callNext() {
-    if (!taken_ && !waiting_.empty()) next()->called->notify_one();
+    if (!holder_ && !waiting_.empty()) next()->called->notify_one();
 }
 
 const Turns::Waiter* Turns::next() const {
@@ -52,7 +53,7 @@ void Turns::release(Account& account, double seconds) {
     all_ += seconds;
     if (latest_.account != &account) before_ = latest_;
     latest_ = {&account, clock_()};
-    taken_ = false;
+    holder_ = nullptr;
     callNext();
 }
 
@@ -77,6 +78,11 @@ uint64_t Turns::wakeUps() const {
 Turns::Used Turns::used(const Account& account) const {
     std::lock_guard lock(mutex_);
     return {account.used_, all_};
+}
+
+std::optional<double> Turns::held(const Account& account) const {
+    std::lock_guard lock(mutex_);
+    return holder_ == &account ? std::optional(clock_() - heldSince_) : std::nullopt;
 }
 
 }  // namespace heliograph

@@ -60,6 +60,8 @@ public:
         double all = 0.0;
     };
     Used used(const Account& account) const;
+    /// Seconds for which the account has had the turn in progress; nothing where it has none.
+    std::optional<double> held(const Account& account) const;
 
 private:
     struct Waiter {
@@ -78,9 +80,10 @@ private:
 
     const std::function<double()> clock_;
     mutable std::mutex mutex_;
-    std::vector<Waiter> waiting_;  // in order of arrival
-    Past latest_, before_;         // of two accounts; only compared, never followed
-    bool taken_ = false;
+    std::vector<Waiter> waiting_;      // in order of arrival
+    Past latest_, before_;             // of two accounts; only compared, never followed
+    const Account* holder_ = nullptr;  // of the turn in progress
+    double heldSince_ = 0.0;
     uint64_t wakeUps_ = 0;
     double now_ = 0.0;  // virtual time: the start of the turn in progress
     double all_ = 0.0;  // seconds

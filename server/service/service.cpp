@@ -155,6 +155,12 @@ void Service::viewEnded(std::shared_ptr<View> view) {
     someEnded_.notify_all();
 }
 
+std::vector<std::string> Service::stuckViews() const {
+    std::vector<RunningStage> stages;
+    for (const auto& session : sessions()) std::ranges::copy(session->stages(), std::back_inserter(stages));
+    return stuckStages(stages, static_cast<double>(watchdog_));
+}
+
 size_t Service::viewerCount() const {
     std::lock_guard lock(mutex_);
     return sessions_.size();

@@ -49,6 +49,8 @@ public:
     bool drained() const;
     /// Parts that have not moved for as long as the option says.
     std::vector<std::string> stuck() const { return liveness_.stuck(Liveness::Clock::now(), std::chrono::seconds(watchdog_)); }
+    /// What is being done for viewers and has not ended for as long as the option says: "viewer 7, render".
+    std::vector<std::string> stuckViews() const;
     /// Viewers that have gone and loads of scenes that are over: after each there is memory to give back.
     uint64_t leftCount() const { return left_; }
     std::string url() const { return socket_.url(); }

@@ -18,6 +18,7 @@ void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header) {
 
 void EncodeThread::run() {
     while (std::optional<Job> job = jobs_.wait()) {
+        auto span = stages_.enter("encode");
         std::optional<EncodedFrame> encoded;
         std::string failure;
         try {

@@ -3,6 +3,7 @@
 // time: whoever has the next one waits until `busy` is over.
 
 #include "server/base/mailbox.h"
+#include "server/base/stage_clock.h"
 #include "server/stream/picture_maker.h"
 
 #include <atomic>
@@ -20,6 +21,8 @@ public:
     ~EncodeThread() { finish(); }
 
     bool busy() const { return busy_.load(std::memory_order_acquire); }
+    /// What it is at. `viewer`: for whom.
+    std::optional<RunningStage> stage(uint32_t viewer) const { return stages_.running(viewer); }
     /// `header`: what PictureMaker::make needs of it. Must not be called while busy.
     void encode(FinishedFrame frame, const FrameHeader& header);
     /// Ends after the frame in work and waits for that; what comes later is dropped.
@@ -33,6 +36,7 @@ private:
     Done encoded_;
     PictureMaker maker_;
     Mailbox<Job> jobs_;
+    StageClock stages_;
     std::atomic<bool> busy_{false};
     std::jthread thread_;
 };

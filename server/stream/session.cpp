@@ -175,6 +175,11 @@ std::optional<ViewerLoad> Session::load(Clock::time_point now) const {
     return ViewerLoad{0.0, now - opened_ < 5s};  // it has not said the token yet
 }
 
+std::vector<RunningStage> Session::stages() const {
+    std::shared_ptr<View> looked = view();
+    return looked ? looked->stages(viewer_) : std::vector<RunningStage>();
+}
+
 void Session::notice(const std::string& what) {
     std::lock_guard lock(mutex_);
     if (authorized_ && !ended_) viewer_.say(noticeMessage(what));

@@ -32,6 +32,8 @@ public:
     void tick(Clock::time_point now);
     /// What its view has used of the device lately; nothing where it watches another viewer's.
     std::optional<ViewerLoad> load(Clock::time_point now) const;
+    /// What is being done for it.
+    std::vector<RunningStage> stages() const;
     /// Tells the viewer something in one line.
     void notice(const std::string& what);
     /// The server ends: the viewer is told, and what it sends is not taken any more but acknowledgements.

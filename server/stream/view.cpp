@@ -263,6 +263,20 @@ std::optional<ViewerLoad> View::load(const Viewer& viewer, Clock::time_point now
     return ViewerLoad{secondsPerFrame_ + making / processors, now - frameAt_ < RECENT};
 }
 
+std::vector<RunningStage> View::stages(const Viewer& viewer) const {
+    std::vector<RunningStage> stages;
+    auto add = [&](const std::optional<RunningStage>& stage) {
+        if (stage) stages.push_back(*stage);
+    };
+    std::lock_guard lock(mutex_);
+    if (!seats_.empty() && seats_.front().viewer == &viewer) {
+        add(loop_.stage(viewer.number()));
+        add(meter_.stage(viewer.number()));
+    }
+    add(viewer.stage());
+    return stages;
+}
+
 bool View::answered(const Viewer& viewer) const {
     std::lock_guard lock(mutex_);
     const Seat* seat = seatOf(viewer.number());

@@ -54,6 +54,8 @@ public:
     std::optional<ViewerStats> stats(Viewer& viewer, double seconds) const;
     /// What the view has used of the device lately, told of who drives alone: it is rendered once.
     std::optional<ViewerLoad> load(const Viewer& viewer, Clock::time_point now) const;
+    /// What the view is at for who drives it, and what is made into bytes for the viewer.
+    std::vector<RunningStage> stages(const Viewer& viewer) const;
     /// The viewer has been given a frame that shows its last input, or there is none to come.
     bool answered(const Viewer& viewer) const;
 

@@ -34,6 +34,20 @@ TEST(Turns, OneAtATime) {
     EXPECT_EQ(worst, 1);
 }
 
+TEST(Turns, WhoHasTheTurnAndForHowLong) {
+    double now = 10.0;
+    Turns turns([&] { return now; });
+    Turns::Account first, second;
+    EXPECT_FALSE(turns.held(first));
+    {
+        auto turn = turns.take(first, {});
+        now = 33.0;
+        EXPECT_EQ(turns.held(first), 23.0);
+        EXPECT_FALSE(turns.held(second));
+    }
+    EXPECT_FALSE(turns.held(first));
+}
+
 TEST(Turns, AWaiterLeavesWhenAsked) {
     Turns turns;
     Turns::Account first, second;

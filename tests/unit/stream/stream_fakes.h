@@ -20,13 +20,26 @@ constexpr auto PATIENCE = 30s;
 /// Paints everything in one grey.
 class GreyDevice : public Device {
 public:
+    /// While held no tile is finished.
+    void hold(bool on) {
+        std::lock_guard lock(mutex);
+        held = on;
+        changed.notify_all();
+    }
     DepthAnswer depthAlong(const ViewRay&) override { return depth; }
 
     DepthAnswer depth{true, std::nullopt};
+    std::mutex mutex;
+    std::condition_variable_any changed;
+    bool held = false;
     DeviceInfo info() const override { return {"embree", "for tests", "none", 1}; }
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override {}
     void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         for (const Tile& tile : tiles) {
+            {
+                std::unique_lock lock(mutex);
+                changed.wait(lock, stop, [&] { return !held; });
+            }
             if (stop.stop_requested()) return;
             TileResult result;
             result.tile = tile;

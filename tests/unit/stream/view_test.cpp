@@ -1,5 +1,6 @@
 #include "server/stream/view.h"
 
+#include "tests/support/until.h"
 #include "tests/unit/stream/stream_fakes.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -313,6 +314,20 @@ TEST_F(Watching, ScenesPathsAndFiguresAreToldToAll) {
         EXPECT_GE(guest->socket->last("stats")["deviceShare"], 0.0);
         EXPECT_LE(guest->socket->last("stats")["deviceShare"], 1.0);
     }
+}
+
+TEST_F(Watching, WhatDoesNotEndIsNamedWithItsViewer) {
+    auto a = driver();
+    auto b = watcher(*a);
+    host->device->hold(true);
+    a->look(2);
+    std::vector<std::string> names;
+    EXPECT_TRUE(until([&] { return !(names = stuckStages(a->session->stages(), 0.0)).empty(); }));
+    EXPECT_EQ(names, std::vector<std::string>{"viewer 1, render"});
+    EXPECT_TRUE(b->session->stages().empty()) << "it is told once, of who drives";
+    host->device->hold(false);
+    ASSERT_TRUE(a->untilAnswered(2));
+    EXPECT_TRUE(until([&] { return a->session->stages().empty(); })) << "at rest nothing runs";
 }
 
 TEST(Views, IdsAreManyBitsAndNoTwoAreAlike) {

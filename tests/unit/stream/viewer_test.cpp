@@ -2,7 +2,10 @@
 
 #include "server/base/error.h"
 
+#include "tests/support/until.h"
 #include <gtest/gtest.h>
+
+#include <atomic>
 
 namespace heliograph {
 namespace {
@@ -13,6 +16,7 @@ using namespace std::chrono_literals;
 struct Seat : ViewerSocket, ViewerListener {
     void sendText(std::string) override {}
     std::optional<uint32_t> sendPicture(OutgoingPicture picture) override {
+        blocked.wait(true);
         std::lock_guard lock(mutex);
         headers.push_back(readFrameHeader(std::span(picture.bytes).subspan(SOCKET_HEADROOM)));
         return std::exchange(replaced, std::nullopt);
@@ -32,6 +36,7 @@ struct Seat : ViewerSocket, ViewerListener {
         return changed.wait_for(lock, 30s, [&] { return drains >= count; });
     }
 
+    std::atomic<bool> blocked{false};  // the socket
     std::mutex mutex;
     std::condition_variable changed;
     std::vector<FrameHeader> headers;
@@ -104,6 +109,20 @@ TEST(Viewer, WhatIsNeverShownTakesNoCredit) {
     EXPECT_EQ(seat.viewer.readiness(), Readiness::ready) << "of three, one is on its way";
     EXPECT_FALSE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 9s));
     EXPECT_TRUE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 11s));
+}
+
+TEST(Viewer, WhatItsThreadIsAtCanBeNamed) {
+    Seat seat;
+    EXPECT_FALSE(seat.viewer.stage());
+    seat.blocked = true;
+    seat.viewer.take(frameOf(uvec2(16, 16), 1));
+    ASSERT_TRUE(test::until([&] { return seat.viewer.stage().has_value(); }));
+    EXPECT_EQ(seat.viewer.stage()->viewer, 1u);
+    EXPECT_EQ(seat.viewer.stage()->name, "encode");
+    seat.blocked = false;
+    seat.blocked.notify_all();
+    ASSERT_TRUE(seat.untilDrained(1));
+    EXPECT_TRUE(test::until([&] { return !seat.viewer.stage(); }));
 }
 
 TEST(Viewer, OnePictureAtATimeAndNoneThatWasGivenUp) {
