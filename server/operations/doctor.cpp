@@ -113,6 +113,15 @@ Finding judgeAddress(const std::string& address) {
     });
 }
 
+/// The folder that a scene's file lies in. Throws InputError where it cannot be searched.
+static std::string readableFolder(const std::string& file) {
+    const std::filesystem::path path = std::filesystem::path(file).parent_path();
+    const std::string folder = path.empty() ? "." : path.string();
+    if (access(folder.c_str(), R_OK | X_OK) == 0) return folder;
+    throw InputError(folder, "the scene's folder cannot be read: " + std::generic_category().message(errno),
+                     "a folder that this user may list, for buffers and textures");
+}
+
 Finding judgeScene(const std::string& scene, const std::vector<std::string>& recipes) {
     return judgeAttempt("scene", [&]() -> std::string {
         if (std::ranges::find(recipes, scene) != recipes.end()) return scene + ", made by the program";
@@ -120,7 +129,7 @@ Finding judgeScene(const std::string& scene, const std::vector<std::string>& rec
         const auto status = std::filesystem::status(scene, error);
         if (std::filesystem::is_regular_file(status)) {
             std::ifstream file(scene);
-            if (file) return scene + ", a file";
+            if (file) return scene + ", a file; what it names is read from " + readableFolder(scene);
             throw InputError(scene, "cannot be read: " + std::generic_category().message(errno), "a .gltf, .glb or .obj file");
         }
         throw InputError(scene, std::filesystem::exists(status) ? "is no file" : "is not there",

@@ -93,6 +93,7 @@ TEST(Doctor, LooksForTheScene) {
     EXPECT_EQ(judgeScene("courtyard", {"courtyard"}).kind, Kind::good);
     EXPECT_THAT(judgeScene("/missing.glb", {"courtyard"}).found, HasSubstr("is not there"));
     EXPECT_THAT(judgeScene("/", {"courtyard"}).found, HasSubstr("is no file"));
+    EXPECT_THAT(judgeScene("/proc/self/exe", {}).found, HasSubstr("what it names is read from /proc/self"));
 }
 
 TEST(Doctor, ReportsForPeopleAndPrograms) {
