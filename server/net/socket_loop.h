@@ -5,6 +5,7 @@
 #include "server/net/guard/admission.h"
 #include "server/net/connection.h"
 #include "server/net/socket_server.h"
+#include "server/net/guard/departures.h"
 #include "server/net/guard/token.h"
 #include "server/net/guard/wire_ledger.h"
 #include "server/net/guard/write_watch.h"
@@ -43,7 +44,8 @@ public:
 const lws_token_limits& headerLimits();
 
 constexpr const char* TOO_LONG = "a request may have 8 KiB of address and 16 KiB of headers";
-constexpr double RETRY_SECONDS = 2.0;  // for those who find no room
+constexpr double RETRY_SECONDS = 2.0;  // for connections beyond the limit: the oldest idle one gives way soon
+constexpr int RESTART_SECONDS = 5;     // until a server that ends is there again
 constexpr const char* NOT_OUR_NAME = "this server does not go by that name; --allow-origin would let it";
 
 class SocketLoop {
@@ -119,7 +121,7 @@ private:
     Bearer bearerOf(lws* wsi, std::initializer_list<std::string_view> secrets);
     int refuseBearer(lws* wsi, Bearer bearer);
     void wrongToken(const std::string& address);
-    std::string noRoom();
+    std::optional<SocketHandler::NoRoom> noRoom();
     size_t viewerCount() const;
     bool namesUs(lws* wsi) const;
     bool connects(int descriptor);
@@ -158,6 +160,7 @@ private:
     bool pauseSaid_ = false;
     int quietTurns_ = 0;  // of the loop, in a row
     TokenGuard guard_;
+    Departures departures_;                                // of viewers
     bool reserveNext_ = false;                             // the connection that is being taken is beyond the limit
     RateLimit wrongNotes_{1.0, 5.0}, notes_{10.0, 100.0};  // lines of the log
     uint64_t notesLeftOut_ = 0;

@@ -7,6 +7,7 @@
 #include "server/net/viewer_socket.h"
 
 #include <memory>
+#include <optional>
 
 namespace heliograph {
 
@@ -44,6 +45,8 @@ public:
     virtual std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) = 0;
     /// It has gone; its socket takes nothing any more. `code`: what the server closed with; nothing where the viewer left.
     virtual void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) = 0;
+    /// A viewer that had not said the token yet was closed with this code.
+    virtual void guestClosed(CloseCode) {}
     /// A connection was turned away with this HTTP status.
     virtual void refused(unsigned status, const std::string& why) = 0;
     virtual std::string metricsText() = 0;
@@ -55,8 +58,13 @@ public:
     virtual Readiness readiness() = 0;
     /// Nobody is let in any more.
     virtual bool ending() = 0;
-    /// Empty when another viewer may enter, else why not now.
-    virtual std::string mayEnter() { return {}; }
+    /// Why nobody else may enter now, and when to try again.
+    struct NoRoom {
+        std::string why;
+        int retrySeconds = 0;
+    };
+    /// Nothing when another viewer may enter.
+    virtual std::optional<NoRoom> mayEnter() { return std::nullopt; }
     struct AdminAnswer {
         unsigned status = 404;
         std::string json;

@@ -48,15 +48,17 @@ int SocketLoop::upgrade(lws* wsi) {
     if (bearer == Bearer::wrong || bearer == Bearer::locked) return refuseBearer(wsi, bearer);
     if (auto link = links_.find(wsi); link != links_.end() && link->second.reserved)
         return refuse(wsi, 503, "too many connections", RETRY_SECONDS);
-    if (const std::string why = noRoom(); !why.empty()) return refuse(wsi, 503, why, RETRY_SECONDS);
+    if (const auto none = noRoom()) return refuse(wsi, 503, none->why, none->retrySeconds);
     if (bearer == Bearer::right) authorized_.insert(wsi);
     return 0;
 }
 
-/// Empty where another viewer finds room.
-std::string SocketLoop::noRoom() {
-    if (handler_.ending()) return "the server ends";
-    if (viewerCount() >= options_.maxViewers) return "no room for another viewer";
+/// Nothing where another viewer finds room.
+std::optional<SocketHandler::NoRoom> SocketLoop::noRoom() {
+    using None = SocketHandler::NoRoom;
+    if (handler_.ending()) return None{"the server ends", RESTART_SECONDS};
+    if (viewerCount() >= options_.maxViewers)
+        return None{"no room for another viewer", departures_.secondsToNext(wallSeconds())};
     return handler_.mayEnter();
 }
 
@@ -131,7 +133,7 @@ void SocketLoop::takeToken(lws* wsi, Viewer& viewer) {
         return;
     }
     guard_.right(address);
-    if (const std::string why = noRoom(); !why.empty()) return viewer.connection->close(CloseCode::tryAgainLater, why);
+    if (const auto none = noRoom()) return viewer.connection->close(CloseCode::tryAgainLater, none->why);
     enter(wsi, viewer, true);
 }
 
@@ -203,6 +205,8 @@ void SocketLoop::leave(lws* wsi) {
     connection->disconnect();
     const std::string who = guest ? "a guest" : "a viewer";
     note(wsi, connection->closedWith ? who + " was let go" : who + " left", connection->closedWith);
+    if (!guest) departures_.left(wallSeconds());
+    if (guest && connection->closedWith) handler_.guestClosed(*connection->closedWith);
     if (connection->peer && !guest) handler_.closed(std::exchange(connection->peer, nullptr), connection->closedWith);
 }
 

@@ -38,7 +38,7 @@ constexpr std::optional<CloseCode> CLOSE_CODES[] = {std::nullopt,
                                                     CloseCode::unauthorized,
                                                     CloseCode::dismissed,
                                                     CloseCode::stalled};
-constexpr unsigned REFUSAL_STATUSES[] = {400, 401, 403, 404, 405, 429, 503};
+constexpr unsigned REFUSAL_STATUSES[] = {400, 401, 403, 404, 405, 414, 421, 426, 429, 431, 503};
 constexpr const char* LOAD_OUTCOMES[] = {"ready", "failed", "abandoned"};
 
 /// Collects families.
@@ -208,6 +208,10 @@ std::string refusalReason(unsigned status) {
         case 403: return "origin";
         case 404: return "not_found";
         case 405: return "method";
+        case 414:
+        case 431: return "too_long";
+        case 421: return "host";
+        case 426: return "version";
         case 429: return "too_many";
         case 503: return "no_room";
         default: return "other";

@@ -96,6 +96,11 @@ void SceneCache::dropAbandoned() {
                  loads_.end());
 }
 
+void SceneCache::pin(const std::string& name) {
+    std::lock_guard lock(mutex_);
+    for (Resident& resident : residents_) resident.pinned = resident.pinned || resident.name == name;
+}
+
 size_t SceneCache::loadCount() const {
     std::lock_guard lock(mutex_);
     return loads_.size();
@@ -162,7 +167,7 @@ void SceneCache::forgetOldest() {
     while (residents_.size() > keep_) {
         auto oldest = residents_.end();
         for (auto r = residents_.begin(); r != residents_.end(); ++r) {
-            bool idle = r->scene.use_count() == 1;
+            const bool idle = !r->pinned && r->scene.use_count() == 1;
             if (idle && (oldest == residents_.end() || r->lastUse < oldest->lastUse)) oldest = r;
         }
         if (oldest == residents_.end()) break;

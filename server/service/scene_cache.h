@@ -28,6 +28,8 @@ public:
     /// told at once. The load is given up when
     /// all its tickets are gone. Throws InputError when `most` scenes are in use.
     std::shared_ptr<void> open(const std::string& name, SceneListener listener);
+    /// A resident scene stays from now on, looked at or not. It is in use only while someone holds it.
+    void pin(const std::string& name);
     size_t residentCount() const;
     /// Loads in progress or waiting.
     size_t loadCount() const;
@@ -52,6 +54,7 @@ private:
         std::string name;
         std::shared_ptr<ResidentScene> scene;
         uint64_t lastUse = 0;
+        bool pinned = false;
     };
 
     std::optional<std::pair<std::string, double>> standOf(const std::string& name) const;

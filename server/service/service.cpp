@@ -3,7 +3,6 @@
 #include "server/base/clock.h"
 #include "server/base/log.h"
 #include "server/film/film_shares.h"
-#include "server/operations/metrics_text.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -55,10 +54,11 @@ Service::~Service() {
 void Service::start(std::function<void(std::exception_ptr failure)> done) {
     SceneListener listener;
     listener.progress = [](const std::string& what, double share) { log().debug("{} ({:.0f} %)", what, 100.0 * share); };
-    listener.ready = [this, done](std::shared_ptr<ResidentScene> scene) {
+    listener.ready = [this, done](const std::shared_ptr<ResidentScene>&) {
+        cache_.pin(options_.scenes.front().name);
         {
             std::lock_guard lock(mutex_);
-            start_ = std::move(scene);
+            startThere_ = true;
         }
         done(nullptr);
     };
@@ -100,11 +100,11 @@ std::optional<NotReady> Service::unready() const {
     facts.closed = closed_;
     facts.scene = options_.scenes.front().name;
     facts.stuck = stuck();
-    facts.crowded = tooCrowded();
+    if (const auto none = tooCrowded()) facts.crowded = none->why;
     {
         std::lock_guard lock(mutex_);
         facts.mostViewers = current_.access.maxViewers;
-        facts.sceneThere = start_ != nullptr;
+        facts.sceneThere = startThere_;
         facts.sceneFailure = startFailure_;
         facts.viewers = sessions_.size();
     }
@@ -116,10 +116,14 @@ SocketHandler::Readiness Service::readiness() {
     return {!state, readinessJson(state)};
 }
 
-std::string Service::mayEnter() { return closed_ ? "the server is being drained" : tooCrowded(); }
+std::optional<SocketHandler::NoRoom> Service::mayEnter() {
+    constexpr int DRAIN_SECONDS = 60;  // an admin drains for longer than a moment
+    if (closed_) return NoRoom{"the server is being drained", DRAIN_SECONDS};
+    return tooCrowded();
+}
 
-/// Why another viewer would see too few frames; empty where it would not.
-std::string Service::tooCrowded() const {
+/// Why another viewer would see too few frames; nothing where it would not.
+std::optional<SocketHandler::NoRoom> Service::tooCrowded() const {
     std::vector<ViewerLoad> inside;
     const auto now = std::chrono::steady_clock::now();
     for (const auto& session : sessions()) {
@@ -127,8 +131,9 @@ std::string Service::tooCrowded() const {
     }
     const std::optional<int> later = retryAfter(inside, options_.leastRate);
     if (!later) return {};
-    return "another viewer would see less than " + wordsOf(options_.leastRate) + " frames a second; try again in " +
-           std::to_string(*later) + " s";
+    return NoRoom{"another viewer would see less than " + wordsOf(options_.leastRate) + " frames a second; try again in " +
+                      std::to_string(*later) + " s",
+                  *later};
 }
 
 std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {

@@ -6,6 +6,7 @@
 #include "server/net/guard/rate_limit.h"
 #include "server/net/socket_server.h"
 #include "server/operations/liveness.h"
+#include "server/operations/metrics_text.h"
 #include "server/operations/readiness.h"
 #include "server/render/device_set.h"
 #include "server/stream/session.h"
@@ -70,16 +71,17 @@ private:
     // SocketHandler
     std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) override;
     void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) override;
+    void guestClosed(CloseCode code) override { metrics_.closes.add(closeReason(code)); }
     void refused(unsigned status, const std::string& why) override;
     std::string metricsText() override;
     Readiness readiness() override;
-    std::string mayEnter() override;
+    std::optional<NoRoom> mayEnter() override;
     AdminAnswer admin(std::string_view method, std::string_view path) override;
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
 
     std::vector<std::shared_ptr<Session>> sessions() const;
-    std::string tooCrowded() const;
+    std::optional<NoRoom> tooCrowded() const;
     nlohmann::ordered_json viewersJson() const;
     bool disconnect(uint32_t viewer);
     void openForAdmin(const std::string& name);
@@ -109,8 +111,8 @@ private:
     };
     std::map<uint32_t, Entry> entries_;  // by viewer
     uint32_t lastViewer_ = 0;
-    RateLimit lines_{10.0, 100.0};          // of the log; the socket's thread alone
-    std::shared_ptr<ResidentScene> start_;  // stays in memory, so that a newcomer always sees something at once
+    RateLimit lines_{10.0, 100.0};  // of the log; the socket's thread alone
+    bool startThere_ = false;       // stays in memory, so that a newcomer always sees something at once
     std::string startFailure_;
 
     std::atomic<bool> ending_{false};

@@ -4,6 +4,7 @@
 #include "server/net/client_files.h"
 #include "server/net/guard/origin.h"
 #include "server/net/guard/rate_limit.h"
+#include "server/net/guard/departures.h"
 #include "server/net/guard/request_size.h"
 #include "server/net/guard/token.h"
 
@@ -146,6 +147,19 @@ TEST(RequestSize, AddressBeforeHeaders) {
     EXPECT_EQ(statusOf({1, 16385, 0}), 431u);
     EXPECT_EQ(statusOf({1, 9, 60'000}), 431u) << "headers without a name that the library knows";
     EXPECT_EQ(statusOf({1, 16'000, 16'200 + 16'384}), 0u) << "more requests came with it";
+}
+
+TEST(Departures, SayWhenAPlaceIsFree) {
+    Departures departures;
+    EXPECT_EQ(departures.secondsToNext(100.0), 2) << "nobody has left yet";
+    departures.left(100.0);
+    EXPECT_EQ(departures.secondsToNext(107.5), 8) << "as long as none has left since";
+    for (double at : {110.0, 120.0, 130.0}) departures.left(at);
+    EXPECT_EQ(departures.secondsToNext(130.0), 10) << "every ten seconds one leaves";
+    EXPECT_EQ(departures.secondsToNext(145.0), 15);
+    EXPECT_EQ(departures.secondsToNext(1000.0), 60);
+    for (int i = 0; i < 20; i++) departures.left(1000.0 + 0.1 * i);
+    EXPECT_EQ(departures.secondsToNext(1002.0), 2);
 }
 
 }  // namespace

@@ -236,5 +236,26 @@ TEST(SceneCache, ScenesInUseStayAndTheirNumberIsLimited) {
     ASSERT_TRUE(c.untilReady());
 }
 
+TEST(SceneCache, APinnedSceneStaysButIsNotInUseForThat) {
+    Source source;
+    SceneCache cache(
+        source.opener(), source.devices(), {}, [](const char*) {}, 1, 2);
+    Told start, a, b, c;
+    auto first = cache.open("start", start.listener());
+    ASSERT_TRUE(start.untilReady());
+    cache.pin("start");
+    start.scene.reset();
+    auto one = cache.open("a", a.listener());
+    ASSERT_TRUE(a.untilReady());
+    auto two = cache.open("b", b.listener());
+    ASSERT_TRUE(b.untilReady()) << "two may be in use, and nobody looks at the first";
+    EXPECT_EQ(cache.residentCount(), 3u) << "it was not forgotten";
+    EXPECT_THROW(cache.open("c", c.listener()), InputError);
+    start.scene.reset();
+    auto again = cache.open("start", start.listener());
+    ASSERT_TRUE(start.untilReady());
+    EXPECT_EQ(source.opened, 3);
+}
+
 }  // namespace
 }  // namespace heliograph

@@ -392,6 +392,28 @@ TEST(Service, OnlyAdminsAreAdmins) {
     EXPECT_EQ(ask(service.port(), "GET", "/admin/viewers", token).status, 429) << "guessed too often";
 }
 
+TEST(Service, RefusedTokensAreCountedByReason) {
+    const std::string token = "the-secret-of-viewers";
+    ServiceOptions asking = options();
+    asking.socket.token = token;
+    Service service(std::move(asking));
+    service.start([](std::exception_ptr) {});
+    const int port = service.port();
+    Viewer wrong(port);
+    wrong.say({{"type", "token"}, {"token", "a guess"}});
+    while (wrong.nextFrame()) {}
+    for (int i = 0; i < FREE_GUESSES + 1; i++) ask(port, "GET", "/metrics", "a guess");
+    const auto metrics = [&] {  // of another address: this one is locked out
+        return WebClient(port, "127.0.0.2").get("/metrics", "Authorization: Bearer " + token + "\r\n").body;
+    };
+    const std::string refused = "heliograph_connections_refused_total{reason=";
+    EXPECT_TRUE(until([&] {
+        return metrics().find("heliograph_connections_closed_total{reason=\"unauthorized\"} 1") != std::string::npos;
+    })) << metrics();
+    EXPECT_THAT(metrics(), HasSubstr(refused + "\"unauthorized\"} " + std::to_string(1 + FREE_GUESSES)));
+    EXPECT_THAT(metrics(), HasSubstr(refused + "\"too_many\"} 1"));
+}
+
 TEST(Service, DrainAnswersTheLastInput) {
     Running s;
     Viewer a(s.service.port());
