@@ -10,7 +10,8 @@ namespace heliograph {
 
 /// What a pixel of a viewer's picture may take at once, in bytes: three films with double sums, that of the effect meter,
 /// linear and tone-mapped values while it is encoded, the coded picture (EXR at worst) in the maker and twice on its way, and
-/// its part of a device's download.
+/// its part of a device's download. A view has it once, however many look at it: who watches another's has no share of its own,
+/// and what is guaranteed to its place stays free for the bytes that are made for it.
 constexpr uint64_t VIEWER_BYTES_A_PIXEL = 3 * 48 + 48 + (16 + 4) + 3 * 16 + 16;
 
 /// The memory for all pictures together, and the places of viewers that share it.

@@ -31,6 +31,7 @@ std::shared_ptr<View> Views::open(SessionHost& host, const Settings& defaults, c
     }
     auto view = std::make_shared<View>(host, number, id, defaults, caps);
     std::lock_guard lock(mutex_);
+    std::erase_if(entries_, [](const Entry& entry) { return entry.view.expired(); });  // that nobody could enter
     entries_.push_back({std::move(id), view});
     return view;
 }

@@ -45,7 +45,9 @@ void describe(CLI::App& app, Options& o) {
         ->capture_default_str();
     app.add_option("--size", o.size, "Picture, WIDTHxHEIGHT")->capture_default_str();
     app.add_option("--scene", o.plan.scene, "Scene to open; the server's own where not given");
-    app.add_option("--script", o.script, "What the hands do: orbit, path, walk, idle, settings, attacker or mixed")
+    app.add_option("--script", o.script,
+                   "What the hands do: orbit, path, walk, idle, settings, attacker, watch (all look at the view of the first "
+                   "one, which orbits) or mixed")
         ->capture_default_str();
     app.add_option("--network", o.network, "The line: none, slow, latency, lossy, stalls or close")->capture_default_str();
     app.add_option("--seed", o.plan.seed, "Of the random walks, settings and stalls")->capture_default_str();

@@ -11,12 +11,13 @@ namespace heliograph::load {
 
 namespace {
 
-constexpr std::array<std::pair<Script, const char*>, 7> SCRIPTS{{{Script::orbit, "orbit"},
+constexpr std::array<std::pair<Script, const char*>, 8> SCRIPTS{{{Script::orbit, "orbit"},
                                                                  {Script::path, "path"},
                                                                  {Script::walk, "walk"},
                                                                  {Script::idle, "idle"},
                                                                  {Script::settings, "settings"},
                                                                  {Script::attacker, "attacker"},
+                                                                 {Script::watch, "watch"},
                                                                  {Script::mixed, "mixed"}}};
 
 const std::vector<NetworkProfile>& profiles() {
@@ -85,6 +86,7 @@ Requirement requirementOf(const std::string& text) {
 }
 
 Script scriptFor(const LoadPlan& plan, uint32_t index) {
+    if (plan.script == Script::watch && index == 0) return Script::orbit;
     if (plan.script != Script::mixed) return plan.script;
     static constexpr Script DEALT[] = {Script::orbit, Script::walk, Script::idle, Script::path, Script::settings};
     return DEALT[index % std::size(DEALT)];

@@ -9,8 +9,9 @@
 
 namespace heliograph::load {
 
-/// What a viewer's hand does. `mixed` deals the others out in turn, the attacker apart.
-enum class Script { orbit, path, walk, idle, settings, attacker, mixed };
+/// What a viewer's hand does. `watch`: all look at the view of the first one, which orbits. `mixed` deals the others out in turn,
+/// the attacker and those who watch apart.
+enum class Script { orbit, path, walk, idle, settings, attacker, watch, mixed };
 /// Throws InputError naming the known scripts.
 Script scriptOf(const std::string& word);
 const char* wordOf(Script script);
@@ -54,7 +55,7 @@ struct LoadPlan {
     bool trustAnyCertificate = false;
 };
 
-/// What viewer `index` does under `plan` (deals out `mixed`).
+/// What viewer `index` does under `plan` (deals out `mixed`; of those who watch the first drives).
 Script scriptFor(const LoadPlan& plan, uint32_t index);
 
 /// Scheme, host, port and path of ws[s]://HOST[:PORT][/PATH]; http[s]:// is read alike, and a missing path is /ws.

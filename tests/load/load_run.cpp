@@ -194,6 +194,7 @@ void Run::tick(Line& line, bool inputs) {
         else line.viewer->takeText(message.bytes, time);
     }
     line.viewer->tick(time, inputs);
+    line.viewer->watch(lines_.front().viewer->ownView());
     while (std::optional<std::string> message = line.viewer->nextMessage())
         line.leaving.push_back({time + plan_.network.delay, false, std::move(*message)});
     if (!line.leaving.empty() && line.leaving.front().at <= time) lws_callback_on_writable(line.socket);

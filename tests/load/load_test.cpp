@@ -131,6 +131,32 @@ TEST_F(LoadViewerTest, AnIdleViewerSaysNothingAfterItsSize) {
     EXPECT_FALSE(idle.nextMessage().has_value());
 }
 
+TEST_F(LoadViewerTest, WhoWatchesAsksForTheFirstOnesViewOnceAndDrivesNothing) {
+    plan.script = Script::watch;
+    EXPECT_EQ(scriptFor(plan, 0), Script::orbit) << "somebody has to drive";
+    LoadViewer watcher(plan, 1);
+    watcher.opened(0.0);
+    watcher.watch("0123");
+    watcher.takeText(R"({"type":"hello","schema":[],"view":"4567"})", 0.1);
+    watcher.takeText(READY, 0.1);
+    EXPECT_FALSE(watcher.ready()) << "that was its own view's scene";
+    EXPECT_EQ(watcher.ownView(), "4567");
+    watcher.watch("");
+    EXPECT_FALSE(watcher.nextMessage()) << "neither before it was greeted nor before the other one was";
+    watcher.watch("0123");
+    watcher.watch("0123");
+    EXPECT_EQ(nlohmann::json::parse(watcher.nextMessage().value()),
+              (nlohmann::json{{"type", "watch"}, {"view", "0123"}, {"inputId", 1}}));
+    watcher.takeText(R"({"type":"watching","view":"0123","drives":false})", 0.2);
+    watcher.takeText(READY, 0.2);
+    EXPECT_TRUE(watcher.ready());
+    watcher.tick(5.0, true);
+    EXPECT_FALSE(watcher.nextMessage());
+    watcher.takeBinary(frame(1, 1, jpeg()), 5.1);
+    EXPECT_TRUE(watcher.rested());
+    EXPECT_EQ(watcher.faultCount(), 0u);
+}
+
 TEST(LoadReport, CountsSteadyLoadAlone) {
     LoadPlan plan;
     LoadResult result;

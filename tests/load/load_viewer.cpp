@@ -60,14 +60,22 @@ void LoadViewer::fault(const std::string& what) {
 
 void LoadViewer::opened(double) {
     outgoing_.clear();
-    ready_ = false;
+    ready_ = askedToWatch_ = watches_ = false;
+    ownView_.clear();
     frameId_.reset();
     inputAt_.clear();
     inputId_ = shownInput_ = 0;
     lastInputShownAt_ = -1.0;
     if (!plan_.token.empty()) say({{"type", "token"}, {"token", plan_.token}});
+    if (script_ == Script::watch) return;  // the size is that of who drives
     say({{"type", "resolution"}, {"width", plan_.width}, {"height", plan_.height}, {"inputId", ++inputId_}});
     if (!plan_.scene.empty()) say({{"type", "scene"}, {"name", plan_.scene}});
+}
+
+void LoadViewer::watch(const std::string& view) {
+    if (script_ != Script::watch || askedToWatch_ || ownView_.empty() || view.empty()) return;
+    askedToWatch_ = true;
+    say({{"type", "watch"}, {"view", view}, {"inputId", ++inputId_}});
 }
 
 void LoadViewer::closed(double) {
@@ -79,13 +87,14 @@ void LoadViewer::takeText(const std::string& text, double now) {
     try {
         const json message = json::parse(text);
         const std::string type = message.at("type");
-        if (type == "hello") schema_ = message.at("schema");
+        if (type == "hello") schema_ = message.at("schema"), ownView_ = message.value("view", "");
+        if (type == "watching") watches_ = !message.at("drives").get<bool>();
         if (type == "error") {
             refusals_++;
             if (script_ != Script::attacker && script_ != Script::settings)
                 fault("the server says: " + message.value("message", ""));
         }
-        if (type != "scene") return;
+        if (type != "scene" || watches_ != (script_ == Script::watch)) return;
         if (message.at("state") == "failed") fault("scene: " + message.value("what", ""));
         if (message.at("state") != "ready" || (!plan_.scene.empty() && message.at("name") != plan_.scene)) return;
         const json& camera = message.at("camera");
@@ -189,7 +198,9 @@ void LoadViewer::sendSettings(double now) {
 void LoadViewer::attack() { outgoing_.push_back(ATTACKS[random_() % std::size(ATTACKS)]); }
 
 void LoadViewer::tick(double now, bool inputs) {
-    if (!ready_ || !inputs || script_ == Script::idle || script_ == Script::path || now < nextInput_) return;
+    if (!ready_ || !inputs || script_ == Script::idle || script_ == Script::path || script_ == Script::watch ||
+        now < nextInput_)
+        return;
     nextInput_ = std::max(nextInput_ + 1.0 / plan_.inputsPerSecond, now);
     if (script_ == Script::attacker) attack();
     else if (script_ == Script::settings) sendSettings(now);

@@ -35,6 +35,10 @@ public:
     void takeBinary(std::span<const uint8_t> bytes, double now);
     /// Says what the script says at this time. `inputs`: false in the end, when only the answer to the last input is awaited.
     void tick(double now, bool inputs);
+    /// A viewer that watches asks for this view, once it has been greeted; an empty id is not known yet.
+    void watch(const std::string& view);
+    /// The id of its own view; empty until it has been greeted.
+    const std::string& ownView() const { return ownView_; }
     /// The next message for the server.
     std::optional<std::string> nextMessage();
 
@@ -67,6 +71,8 @@ private:
     mutable std::minstd_rand random_;
     std::deque<std::string> outgoing_;
     bool ready_ = false;
+    std::string ownView_;
+    bool askedToWatch_ = false, watches_ = false;
     Camera start_;
     vec3 low_{0.0f}, high_{0.0f};
     nlohmann::json schema_;

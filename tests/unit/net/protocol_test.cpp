@@ -57,6 +57,16 @@ TEST(Protocol, ReadsEveryOtherType) {
     EXPECT_EQ(std::get<TokenMessage>(parseViewerMessage(R"({"type":"token","token":"abc"})")).token, "abc");
 }
 
+TEST(Protocol, AWatchNamesAViewOrNone) {
+    const WatchMessage named = std::get<WatchMessage>(parseViewerMessage(R"({"type":"watch","inputId":3,"view":"ab"})"));
+    EXPECT_EQ(named.view, "ab");
+    EXPECT_EQ(named.inputId, 3u);
+    for (const char* own : {R"({"type":"watch","inputId":3})", R"({"type":"watch","inputId":3,"view":null})"})
+        EXPECT_FALSE(std::get<WatchMessage>(parseViewerMessage(own)).view) << own;
+    for (const char* wrong : {R"({"type":"watch","inputId":3,"view":7})", R"({"type":"watch","view":"ab"})"})
+        EXPECT_THROW(parseViewerMessage(wrong), MessageError) << wrong;
+}
+
 TEST(Protocol, IgnoresUnknownFields) { EXPECT_NO_THROW(parseViewerMessage(R"({"type":"ping","time":1,"colour":"green"})")); }
 
 TEST(Protocol, RefusesWhatIsNoJsonObject) {

@@ -116,11 +116,13 @@ TEST(Viewer, WhatItsThreadIsAtCanBeNamed) {
     EXPECT_FALSE(seat.viewer.stage());
     seat.blocked = true;
     seat.viewer.take(frameOf(uvec2(16, 16), 1));
-    ASSERT_TRUE(test::until([&] { return seat.viewer.stage().has_value(); }));
-    EXPECT_EQ(seat.viewer.stage()->viewer, 1u);
-    EXPECT_EQ(seat.viewer.stage()->name, "encode");
+    std::optional<RunningStage> stage;
+    EXPECT_TRUE(test::until([&] { return (stage = seat.viewer.stage()).has_value(); }));
     seat.blocked = false;
     seat.blocked.notify_all();
+    ASSERT_TRUE(stage);
+    EXPECT_EQ(stage->viewer, 1u);
+    EXPECT_EQ(stage->name, "encode");
     ASSERT_TRUE(seat.untilDrained(1));
     EXPECT_TRUE(test::until([&] { return !seat.viewer.stage(); }));
 }
