@@ -33,6 +33,8 @@ void messages() {
         R"({"type":"ping","time":1.5})",
         R"({"type":"effectCosts"})",
         R"({"type":"focus","inputId":10,"x":0.5,"y":0.5})",
+        R"({"type":"watch","inputId":11,"view":"0123456789abcdef0123456789abcdef"})",
+        R"({"type":"watch","inputId":12})",
         R"({"type":"token","token":"secret"})",
     };
     int index = 0;

@@ -12,16 +12,17 @@
 namespace heliograph {
 
 std::string readTokenFile(const std::string& path) {
-    constexpr size_t SHORTEST = 16, LONGEST = 4096;  // characters; the protocol's limit
+    constexpr size_t SHORTEST = 16;  // characters
     std::ifstream file(path);
     std::string token;
     if (!file || !std::getline(file, token)) {
         throw InputError(path, "no token could be read", "a text file with the token in its first line");
     }
     while (!token.empty() && (token.back() == '\r' || token.back() == ' ' || token.back() == '\t')) token.pop_back();
-    if (token.size() < SHORTEST || token.size() > LONGEST) {
-        throw InputError(path, "a token of " + std::to_string(token.size()) + " characters",
-                         "16 to 4096, for example from `openssl rand -hex 32`");
+    if (token.size() < SHORTEST || token.size() > TOKEN_LIMIT) {
+        throw InputError(
+            path, "a token of " + std::to_string(token.size()) + " characters",
+            std::to_string(SHORTEST) + " to " + std::to_string(TOKEN_LIMIT) + ", for example from `openssl rand -hex 32`");
     }
     return token;
 }
