@@ -115,6 +115,20 @@ TEST(SocketLimits, AViewerThatStopsReadingButSendsIsCut) {
     EXPECT_EQ(neighbour.receive()->bytes, "here");
 }
 
+TEST(SocketLimits, AViewerThatStopsReadingAndSendsNothingIsCut) {
+    SocketOptions quick = options();
+    quick.times.write = 300ms;
+    Server s(quick);
+    WebClient neighbour(s.port()), silent(s.port(), nullptr, 4096);
+    ASSERT_EQ(neighbour.upgrade(OURS).status, 101);
+    ASSERT_EQ(silent.upgrade(OURS).status, 101);
+    silent.sendText("big 60000000");  // and nothing more; it does not read either
+    ASSERT_TRUE(until([&] { return s.handler.closes == 1; }));
+    EXPECT_EQ(s.handler.lastCode, 4008);
+    neighbour.sendText("here");
+    EXPECT_EQ(neighbour.receive()->bytes, "here");
+}
+
 TEST(SocketLimits, AViewerThatIsToldToGoButDoesNotReadIsCut) {
     SocketOptions quick = options();
     quick.times.close = 200ms;
