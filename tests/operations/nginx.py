@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Behind nginx, which speaks TLS and puts the server under a path."""
-import os, subprocess, tempfile
-from support import Server, Viewer, check, finish, free_port, http, program, until
+import os, shutil, subprocess, tempfile
+from support import ROOT, Server, Viewer, check, finish, free_port, http, program, until
 
 CONFIG = '''
 daemon off; master_process off; pid {folder}/pid; error_log {folder}/error.log;
@@ -52,9 +52,24 @@ def main():
             check('... SIGTERM reaches the viewer: notice and 1001',
                   viewer.closed == 1001 and any('endsInMs' in t for t in viewer.texts), viewer.closed)
             check('... exit code 0', server.end()[0] == 0)
+            in_browser(port, server.port)
         finally:
             proxy.terminate()
             proxy.wait()
+
+
+def in_browser(port, behind):
+    """The real page, where it was built and a browser is here."""
+    client, node = ROOT + '/client-web/dist', shutil.which('node')
+    chromium = os.environ.get('HELIOGRAPH_CHROMIUM', '/usr/bin/chromium')
+    if not (node and os.path.exists(client + '/index.html') and os.path.exists(ROOT + '/client-web/node_modules') and os.path.exists(chromium)):
+        print('not run: the page in a browser (npm run build in client-web, chromium)')
+        return
+    server = Server('--allow-origin', 'https://127.0.0.1:%d' % port, port=behind, client=client)
+    seen = subprocess.run([node, ROOT + '/tests/browser/proxied.mjs', 'https://127.0.0.1:%d/view/' % port], capture_output=True, text=True, timeout=120)
+    check('... the page in a browser: loads, opens its WebSocket, draws a frame', seen.returncode == 0,
+          '' if seen.returncode == 0 else seen.stdout + seen.stderr)
+    server.end()
 
 
 def answer(port, path):

@@ -49,12 +49,12 @@ def until(condition, seconds=20.0):
 class Server:
     """`heliograph serve` on a free port, with a folder of its own."""
 
-    def __init__(self, *arguments, scene='cornell', environment=None, wait=True, port=0, scheme='http'):
+    def __init__(self, *arguments, scene='cornell', environment=None, wait=True, port=0, scheme='http', client=None):
         self.folder = tempfile.TemporaryDirectory(prefix='heliograph-operations-')
         self.scheme = scheme
         self.out = open(os.path.join(self.folder.name, 'out'), 'w+b')
         self.err = open(os.path.join(self.folder.name, 'err'), 'w+b')
-        command = [PROGRAM, 'serve', scene, '--listen', '127.0.0.1:%d' % port, '--client', client_folder(self.folder.name)]
+        command = [PROGRAM, 'serve', scene, '--listen', '127.0.0.1:%d' % port, '--client', client or client_folder(self.folder.name)]
         self.process = subprocess.Popen(command + list(arguments), stdout=self.out, stderr=self.err, stdin=subprocess.DEVNULL,
                                         cwd=self.folder.name, env={**os.environ, **(environment or {})})
         self.port = port
