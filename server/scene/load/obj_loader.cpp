@@ -22,6 +22,7 @@ constexpr uint64_t MOST_OBJ_BYTES = uint64_t(1) << 30;
 constexpr uint64_t MOST_MTL_BYTES = uint64_t(16) << 20;
 constexpr size_t LONGEST_LINE = 64 * 1024;  // bytes
 constexpr size_t MOST_CORNERS = 255;        // of a face: the parser counts them in a byte
+constexpr size_t MOST_EXPONENT_DIGITS = 6;
 
 /// What the filter has seen.
 struct Lines {
@@ -46,11 +47,29 @@ size_t wordsIn(std::string_view line) {
     return words;
 }
 
+/// Numbers with an exponent of so many digits are beyond what the parser counts in.
+void checkExponents(std::string_view line, const std::string& where) {
+    for (size_t at = line.find_first_not_of(" \t"); at != std::string_view::npos;) {
+        const size_t end = std::min(line.find_first_of(" \t", at), line.size());
+        const std::string_view word = line.substr(at, end - at);
+        const size_t exponent = word.find_first_not_of("0123456789+-.");
+        if (exponent != std::string_view::npos && (word[exponent] == 'e' || word[exponent] == 'E')) {
+            const size_t first = std::min(word.find_first_not_of("+-", exponent + 1), word.size());
+            const size_t digits = std::min(word.find_first_not_of("0123456789", first), word.size()) - first;
+            if (digits > MOST_EXPONENT_DIGITS)
+                throw InputError(where, "an exponent of " + std::to_string(digits) + " digits",
+                                 "at most " + std::to_string(MOST_EXPONENT_DIGITS));
+        }
+        at = line.find_first_not_of(" \t", end);
+    }
+}
+
 void checkLine(std::string_view line, const std::string& where) {
     if (line.size() > LONGEST_LINE || line.find('\0') != std::string_view::npos) {
         throw InputError(where, std::to_string(line.size()) + " bytes or a NUL character",
                          "text of at most " + std::to_string(LONGEST_LINE) + " bytes");
     }
+    if (startsWith(line, "v") || startsWith(line, "vn") || startsWith(line, "vt")) checkExponents(line, where);
     if (startsWith(line, "f") && wordsIn(line) > MOST_CORNERS + 1) {
         throw InputError(where, "a face of " + std::to_string(wordsIn(line) - 1) + " corners",
                          "at most " + std::to_string(MOST_CORNERS));
@@ -88,6 +107,13 @@ Lines filtered(std::span<const uint8_t> bytes, const std::string& file) {
     return lines;
 }
 
+void checkMaterials(const std::string& text, const std::string& file) {
+    std::istringstream lines(text);
+    std::string line;
+    for (size_t number = 1; std::getline(lines, line); number++)
+        checkExponents(line, file + ": line " + std::to_string(number));
+}
+
 /// Opens .mtl files beside the .obj alone.
 class MtlReader : public tinyobj::MaterialReader {
 public:
@@ -107,7 +133,9 @@ public:
             return false;
         }
         const std::vector<uint8_t> bytes = readFile(path, MOST_MTL_BYTES);
-        std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+        const std::string text(bytes.begin(), bytes.end());
+        checkMaterials(text, name);
+        std::istringstream stream(text);
         tinyobj::LoadMtl(map, materials, &stream, warning, error);
         return true;
     }

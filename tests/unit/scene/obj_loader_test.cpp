@@ -102,5 +102,21 @@ TEST(ObjLoader, SurvivesHostileLines) {
     EXPECT_THROW(open("v " + std::string(200000, '1')), InputError);
 }
 
+// The parser adds up an exponent's digits in an int, without looking (seen by the sanitizer).
+TEST(ObjLoader, RefusesExponentsThatTheParserCannotCount) {
+    const ScratchFolder folder;
+    const auto open = [&](const std::string& text) { return openScene(folder.write("a.obj", text)); };
+    for (const char* number : {"1e2147483648", "-.5E-9999999999", "1e+2147483647x"}) {
+        EXPECT_THAT([&] { open(SQUARE + "v 0 0 " + number + "\nf 1 2 3\n"); },
+                    ::testing::ThrowsMessage<InputError>(HasSubstr("line 9: an exponent of 10 digits")))
+            << number;
+        folder.write("m.mtl", "newmtl a\nKd 1 " + std::string(number) + " 1\n");
+        EXPECT_THAT([&] { open("mtllib m.mtl\n" + SQUARE + "usemtl a\nf 1 2 3\n"); },
+                    ::testing::ThrowsMessage<InputError>(HasSubstr("m.mtl: line 2: an exponent of 10 digits")))
+            << number;
+    }
+    EXPECT_EQ(open(SQUARE + "v 1e-000002 1E+1 0\nf 1 2 3\n")->triangleCount(), 1u);
+}
+
 }  // namespace
 }  // namespace heliograph
