@@ -18,12 +18,11 @@ cmake --preset fuzz $(command -v ccache >/dev/null && echo -DCMAKE_CXX_COMPILER_
 }
 build/fuzz/tests/fuzz_seeds build/fuzz-seeds
 # Real broken files, where they are: copied, so that nothing is written beside them.
-for file in ../shared/scenes/invalid/*; do
-    [ -f "$file" ] || continue
+find ../shared/scenes/invalid -type f -size -64k 2>/dev/null | while read -r file; do
     case $file in
-        *.gltf) into=gltf ;; *.glb) into=glb ;; *.obj) into=obj ;; *.png | *.jpg | *.hdr | *.exr) into=image ;; *) continue ;;
+        *.gltf) into=gltf ;; *.glb) into=glb ;; *.obj) into=obj ;; *.png | *.jpg | *.webp | *.hdr | *.exr) into=image ;; *) continue ;;
     esac
-    [ "$(stat -c %s "$file")" -gt 65536 ] || cp "$file" build/fuzz-seeds/$into/
+    cp "$file" "build/fuzz-seeds/$into/$(printf '%s' "$file" | sha256sum | cut -c 1-16)"
 done
 
 fuzz() {

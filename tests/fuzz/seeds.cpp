@@ -1,27 +1,18 @@
-// Writes the fuzzers' seeds: fuzz_seeds FOLDER makes FOLDER/<target>/ with a few small valid inputs each.
+#include "tests/fuzz/seeds.h"
 
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/net/protocol.h"
 #include "server/request/settings.h"
 
-#include <filesystem>
-#include <fstream>
+namespace heliograph::fuzz {
 
 namespace {
 
-using namespace heliograph;
+std::string text(const std::vector<uint8_t>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-std::filesystem::path root;
-
-void put(const std::string& target, const std::string& name, std::string_view bytes) {
-    std::filesystem::create_directories(root / target);
-    std::ofstream(root / target / name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-std::string_view text(const std::vector<uint8_t>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
-void messages() {
+std::vector<Seed> messages() {
+    std::vector<Seed> seeds;
     const char* const all[] = {
         R"({"type":"camera","inputId":7,"position":[0,1,5],"forward":[0,0,-1],"up":[0,1,0],"fieldOfView":60,"moving":true})",
         R"({"type":"settings","inputId":8,"values":{"shadows":false,"aoSamples":4}})",
@@ -37,18 +28,19 @@ void messages() {
         R"({"type":"watch","inputId":12})",
         R"({"type":"token","token":"secret"})",
     };
-    int index = 0;
-    for (const char* message : all) put("message", std::to_string(index++), message);
+    for (const char* message : all) seeds.push_back({std::to_string(seeds.size()), message});
+    return seeds;
 }
 
-void settings() {
+std::vector<Seed> settings() {
     const nlohmann::json all = Settings().toJson();
-    put("settings", "all", all.dump());
+    std::vector<Seed> seeds{{"all", all.dump()}};
     for (const auto& [name, value] : all.items())
-        put("settings", name, name + "=" + (value.is_string() ? value.get<std::string>() : value.dump()));
+        seeds.push_back({name, name + "=" + (value.is_string() ? value.get<std::string>() : value.dump())});
+    return seeds;
 }
 
-void headers() {
+std::vector<Seed> headers() {
     FrameHeader header;
     header.size = {320, 180};
     header.fullSize = {640, 360};
@@ -56,61 +48,67 @@ void headers() {
     header.payloadBytes = 3;
     std::vector<uint8_t> bytes(FRAME_HEADER_BYTES + 3, 1);
     writeFrameHeader(header, std::span<uint8_t, FRAME_HEADER_BYTES>(bytes.data(), FRAME_HEADER_BYTES));
-    put("header", "frame", text(bytes));
+    return {{"frame", text(bytes)}};
 }
 
-void images() {
+std::vector<Seed> images() {
+    std::vector<Seed> seeds;
     DisplayImage image{8, 8, std::vector<uint8_t>(256)};
     for (size_t i = 0; i < image.rgba.size(); i++) image.rgba[i] = static_cast<uint8_t>(i);
     std::vector<uint8_t> bytes;
     makePngEncoder()->encode(image, 90, bytes);
-    put("image", "png", text(bytes));
+    seeds.push_back({"png", text(bytes)});
     makeJpegEncoder()->encode(image, 90, bytes);
-    put("image", "jpeg", text(bytes));
+    seeds.push_back({"jpeg", text(bytes)});
     std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n";
     for (int i = 0; i < 64; i++) hdr += static_cast<char>(i % 4 == 3 ? 129 : 16 * i);
-    put("image", "hdr", hdr);
+    seeds.push_back({"hdr", hdr});
+    return seeds;
 }
 
-void scenes() {
-    const std::string triangle = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";  // (0,0,0) (1,0,0) (0,1,0)
-    const std::string rest =
-        R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+const char* const TRIANGLE = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";  // (0,0,0) (1,0,0) (0,1,0)
+const char* const TRIANGLE_SCENE =
+    R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
 "bufferViews":[{"buffer":0,"byteLength":36}],"materials":[{"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0.2,1],"roughnessFactor":0.3}}],
 "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],
 "nodes":[{"mesh":0,"scale":[1,2,1]},{"camera":0,"translation":[0,0,4]}],"scenes":[{"nodes":[0,1]}],"scene":0})";
-    put("gltf", "triangle",
-        R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)" + triangle +
-            R"("}],)" + rest);
-    std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36}],)" + rest;
+
+std::vector<Seed> gltf() {
+    return {
+        {"triangle", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)" +
+                         std::string(TRIANGLE) + R"("}],)" + TRIANGLE_SCENE}};
+}
+
+std::vector<Seed> glb() {
+    std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36}],)" + std::string(TRIANGLE_SCENE);
     json.resize((json.size() + 3) / 4 * 4, ' ');
     const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    std::string glb = "glTF";
-    const auto word = [&](uint32_t value) { glb.append(reinterpret_cast<const char*>(&value), 4); };
+    std::string bytes = "glTF";
+    const auto word = [&](uint32_t value) { bytes.append(reinterpret_cast<const char*>(&value), 4); };
     word(2);
     word(static_cast<uint32_t>(12 + 8 + json.size() + 8 + 36));
     word(static_cast<uint32_t>(json.size()));
     word(0x4E4F534A);
-    glb += json;
+    bytes += json;
     word(36);
     word(0x004E4942);
-    glb.append(reinterpret_cast<const char*>(corners), 36);
-    put("glb", "triangle", glb);
-    const std::string mtl = "newmtl red\nKd 1 0 0\nNs 20\nd 0.5\nmap_Kd picture.png\n";
-    put("obj", "quad",
-        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/1/1 3/1/1 4/1/1\nf -1 -2 "
-        "-3\n" +
-            std::string(1, '\0') + mtl);
+    bytes.append(reinterpret_cast<const char*>(corners), 36);
+    return {{"triangle", bytes}};
+}
+
+/// The material file stands behind a NUL.
+std::vector<Seed> obj() {
+    const std::string text =
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl red\nf 1/1/1 2/1/1 3/1/1 4/1/1\n"
+        "f -1 -2 -3\n";
+    return {{"quad", text + '\0' + "newmtl red\nKd 1 0 0\nNs 20\nd 0.5\nmap_Kd picture.png\n"}};
 }
 
 }  // namespace
 
-int main(int argc, char** argv) {
-    if (argc != 2) return 2;
-    root = argv[1];
-    messages();
-    settings();
-    headers();
-    images();
-    scenes();
+std::map<std::string, std::vector<Seed>> seeds() {
+    return {{"message", messages()}, {"settings", settings()}, {"header", headers()}, {"image", images()},
+            {"gltf", gltf()},        {"glb", glb()},           {"obj", obj()}};
 }
+
+}  // namespace heliograph::fuzz
