@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <new>
 #include <span>
 #include <stop_token>
 
@@ -48,6 +49,16 @@ struct DepthAnswer {
     std::optional<double> depth;  // to the nearest surface, in lengths of the ray's direction; nothing where there is none
 };
 
+/// There is no memory for what was asked, on the device or beside it. The device is well, and other requests may fit.
+class DeviceMemoryError : public std::bad_alloc {
+public:
+    explicit DeviceMemoryError(const std::string& what) : what_(std::make_shared<const std::string>(what)) {}
+    const char* what() const noexcept override { return what_->c_str(); }
+
+private:
+    std::shared_ptr<const std::string> what_;  // copying an exception must not throw
+};
+
 class Device {
 public:
     virtual ~Device() = default;
@@ -69,7 +80,8 @@ public:
     /// beside `render`; if it throws, the device goes on without.
     virtual void standBy() {}
     /// Renders the tiles in the order given and returns when all are delivered or `stop` was asked for (tiles not begun
-    /// are then left out). Must not be called while load runs. Throws when the device is lost.
+    /// are then left out). Must not be called while load runs. Throws when the device is lost; std::bad_alloc
+    /// (DeviceMemoryError, to say more) when there is no memory for this request and the device is well.
     virtual void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                         std::stop_token stop) = 0;
     /// The same on one of the device's streams: as many calls as it has streams run side by side, each from a thread of its

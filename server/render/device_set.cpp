@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <system_error>
 #include <stdexcept>
 
@@ -15,6 +16,7 @@ namespace {
 
 const std::string HYBRID = "hybrid";
 const std::string OWES = "still owes a batch of an earlier frame";
+const std::string NO_MEMORY = "no memory for this frame";
 constexpr double LATE = 0.05;  // seconds
 
 class DeviceSet : public Renderer {
@@ -44,7 +46,7 @@ public:
             if (switchedOff(name, settings) || (any && !options_.patient)) continue;
             any |= loaded(name, settings, progress) != nullptr;
         }
-        if (!any) throw std::runtime_error("hybrid: " + whyNobody(settings));
+        if (!any) throw std::runtime_error("hybrid: " + whyNobody(settings, {}));
     }
 
     void prepare(const Settings& settings) override {
@@ -57,13 +59,15 @@ public:
         const std::string name = offer_.nameOf(request.settings);
         ScheduleReport report;
         std::vector<Tile> missing;
+        std::set<std::string> full;  // had no memory for this frame: others make it, and everybody else's goes on
         while (!tiles.empty() && !stop.stop_requested()) {
-            ScheduleResult result = scheduler_.render(request, tiles, team(name, request), memory_, view, sink, stop);
+            ScheduleResult result = scheduler_.render(request, tiles, team(name, request, full), memory_, view, sink, stop);
             report.append(result.report);
-            for (const auto& [device, why] : result.failures) {
-                memory_.rates.forget(device);
-                if (name != HYBRID && !hasFallback(name)) throw std::runtime_error(why);
-                setAside(device, why);
+            for (const DeviceFailure& failure : result.failures) {
+                memory_.rates.forget(failure.device);
+                if (name != HYBRID && !hasFallback(name)) throw std::runtime_error(failure.why);
+                if (failure.ofMemory) full.insert(failure.device), noteFull(failure, request.resolution);
+                else setAside(failure.device, failure.why);
             }
             missing = std::move(result.missing);
             tiles = missing;
@@ -190,33 +194,41 @@ private:
         if (options_.notice) options_.notice(name, text);
     }
 
+    void noteFull(const DeviceFailure& failure, uvec2 size) {
+        const auto level = std::exchange(toldOfMemory_, true) ? spdlog::level::debug : spdlog::level::warn;
+        log().log(level, "{}: {} ({} x {} pixels); others make it", failure.device, failure.why, size.x, size.y);
+    }
+
     /// Who may render for that name now. Waits for the first that is ready. Throws when there is nobody.
-    std::vector<Candidate> team(const std::string& name, const FrameRequest& request) {
-        if (name != HYBRID) return loner(name, request);
+    std::vector<Candidate> team(const std::string& name, const FrameRequest& request, const std::set<std::string>& full) {
+        if (name != HYBRID) return loner(name, request, full);
         auto can = [](const Candidate& c) { return c.blocked.empty(); };
-        std::vector<Candidate> team = candidates(request);
+        std::vector<Candidate> team = candidates(request, full);
         if (std::ranges::none_of(team, can)) {
             for (const std::string& member : offer_.team) {
-                if (!switchedOff(member, request.settings) && loaded(member, request.settings, {})) break;
+                if (switchedOff(member, request.settings) || full.contains(member)) continue;
+                if (loaded(member, request.settings, {})) break;
             }
-            team = candidates(request);
+            team = candidates(request, full);
         }
-        if (std::ranges::none_of(team, can)) throw std::runtime_error("hybrid: " + whyNobody(request.settings));
+        if (std::ranges::none_of(team, can)) throw std::runtime_error("hybrid: " + whyNobody(request.settings, full));
         return team;
     }
 
     /// The device of that name. While it compiles for these effects or when it has failed, its fallback, which makes the same picture.
-    std::vector<Candidate> loner(const std::string& name, const FrameRequest& request) {
+    std::vector<Candidate> loner(const std::string& name, const FrameRequest& request, const std::set<std::string>& full) {
         std::shared_ptr<DeviceSlot> slot = entry(name);
         const std::shared_ptr<Device> device = usable(name, request.settings, {});
         if (!hasFallback(name)) return {candidateOf(*slot, device, request.settings)};
         std::vector<Candidate> team;
         std::string why = slot->failure();
         if (!why.empty()) why = "set aside: " + why;
+        else if (full.contains(name)) why = NO_MEMORY;
         else if (!options_.patient) why = getReady(slot, request);
         if (why.empty()) return {candidateOf(*slot, device, request.settings)};
         team.push_back(candidateOf(*slot, slot->ready(), request.settings));
         team.back().blocked = why;
+        if (full.contains(offer_.fallback)) throw std::runtime_error(offer_.fallback + ": " + NO_MEMORY);
         const std::shared_ptr<Device> fallback = loadNow(entry(offer_.fallback), request.settings, {});
         team.push_back(candidateOf(*entry(offer_.fallback), fallback, request.settings));
         return team;
@@ -233,23 +245,25 @@ private:
     }
 
     /// Why no device is left.
-    std::string whyNobody(const Settings& settings) {
+    std::string whyNobody(const Settings& settings, const std::set<std::string>& full) {
         std::string reasons;
         for (const std::string& name : offer_.team) {
             std::string why = switchedOff(name, settings) ? "switched off" : entry(name)->failure();
+            if (why.empty() && full.contains(name)) why = NO_MEMORY;
             if (why.empty()) why = entry(name)->ready() ? "did not deliver" : "is not ready";
             reasons += (reasons.empty() ? "" : "; ") + name + ": " + why;
         }
         return reasons.empty() ? "no device here" : reasons;
     }
 
-    std::vector<Candidate> candidates(const FrameRequest& request) {
+    std::vector<Candidate> candidates(const FrameRequest& request, const std::set<std::string>& full) {
         std::vector<Candidate> team;
         for (const std::string& name : offer_.team) {
             std::shared_ptr<DeviceSlot> member = entry(name);
             Candidate c = candidateOf(*member, member->ready(), request.settings);
             if (switchedOff(name, request.settings)) c.blocked = "switched off";
             else if (std::string why = member->failure(); !why.empty()) c.blocked = "set aside: " + why;
+            else if (full.contains(name)) c.blocked = NO_MEMORY;
             else if (member->owes(LATE)) c.blocked = OWES;
             else c.blocked = getReady(member, request);
             if (c.blocked.empty()) c = candidateOf(*member, member->ready(), request.settings);
@@ -336,8 +350,9 @@ private:
     std::string first_;
     std::shared_ptr<const Scene> scene_;
     mutable std::map<std::string, std::shared_ptr<DeviceSlot>> entries_;
-    ScheduleMemory memory_;  // used by the frame in progress alone: frames take turns
-    Background background_;  // ends first
+    ScheduleMemory memory_;      // used by the frame in progress alone: frames take turns
+    bool toldOfMemory_ = false;  // by the frame in progress alone
+    Background background_;      // ends first
 };
 
 }  // namespace

@@ -213,7 +213,7 @@ void TileRun::serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, b
         }
         Assignment& assignment = assignments_[batch->id];
         lock.unlock();
-        const std::string failure = renderBatch(*batch, assignment);
+        const Failure failure = renderBatch(*batch, assignment);
         lock.lock();
         settle(*batch, assignment, failure);
         inWork_[worker].reset();
@@ -226,28 +226,29 @@ void TileRun::serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, b
     changed_.notify_all();
 }
 
-/// Returns what went wrong, or nothing.
-std::string TileRun::renderBatch(const FrameBalance::Batch& batch, Assignment& assignment) {
+TileRun::Failure TileRun::renderBatch(const FrameBalance::Batch& batch, Assignment& assignment) {
     const uint32_t device = balance_.deviceOf(batch.worker);
     Participant& participant = participants_[device];
     participant.inFlight->begin();
-    std::string failure;
+    Failure failure;
     try {
         auto sink = [&](TileResult&& result) { take(device, std::move(result)); };
         if (!assignment.tiles.empty()) {
             if (participant.whole) participant.device->render(work_.request, assignment.tiles, sink, stop_.get_token());
             else participant.device->renderStream(work_.request, assignment.tiles, sink, stop_.get_token());
         }
+    } catch (const std::bad_alloc& error) {
+        failure = {std::string("no memory for this frame: ") + error.what(), true};
     } catch (const std::exception& error) {
-        failure = error.what();
-        if (failure.empty()) failure = "failed without saying why";
+        failure.why = error.what();
+        if (failure.why.empty()) failure.why = "failed without saying why";
     }
     participant.inFlight->end();
-    if (!failure.empty() || stop_.stop_requested()) return failure;
+    if (!failure.why.empty() || stop_.stop_requested()) return failure;
     const auto missing = std::count_if(assignment.tiles.begin(), assignment.tiles.end(),
                                        [&](const Tile& tile) { return cells_[tileAt(tile)].load() == Cell::open; });
     if (missing > 0) {
-        failure = "left out " + std::to_string(missing) + " of " + std::to_string(assignment.tiles.size()) + " tiles";
+        failure.why = "left out " + std::to_string(missing) + " of " + std::to_string(assignment.tiles.size()) + " tiles";
     }
     return failure;
 }
@@ -302,7 +303,7 @@ void TileRun::flush(const FrameBalance::Batch& batch) {
 }
 
 /// A batch came back. With the lock held.
-void TileRun::settle(const FrameBalance::Batch& batch, const Assignment& assignment, const std::string& failure) {
+void TileRun::settle(const FrameBalance::Batch& batch, const Assignment& assignment, const Failure& failure) {
     if (over_ || sinkFailed_) return;
     const double now = wallSeconds();
     const uint32_t device = balance_.deviceOf(batch.worker);
@@ -311,7 +312,7 @@ void TileRun::settle(const FrameBalance::Batch& batch, const Assignment& assignm
         {assignment.begin, now, tiles, busyOf(assignment, device, now - assignment.begin)});
     flush(batch);
     bool cellsWait = balance_.finish(batch.id, now);
-    if (!failure.empty()) {
+    if (!failure.why.empty()) {
         fail(device, failure);
         cellsWait = balance_.waiting();
     } else if (!stop_.stop_requested() && tiles > 0) {
@@ -352,7 +353,7 @@ void TileRun::note(const Assignment& assignment, uint32_t device, double predict
 }
 
 /// A device that failed once does nothing more in this frame.
-void TileRun::fail(uint32_t device, const std::string& why) {
+void TileRun::fail(uint32_t device, const Failure& failure) {
     DeviceReport& report = report_.devices[device];
     for (uint32_t w = 0; w < balance_.workerCount(); w++) {
         if (balance_.deviceOf(w) != device) continue;
@@ -361,8 +362,8 @@ void TileRun::fail(uint32_t device, const std::string& why) {
     }
     if (report.lost) return;
     report.lost = true;
-    report.part = {Part::parked, why};
-    failures_.emplace_back(report.name, why);
+    report.part = {Part::parked, failure.why};
+    failures_.push_back({report.name, failure.why, failure.ofMemory});
 }
 
 std::vector<Tile> TileRun::missing() const {

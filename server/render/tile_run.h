@@ -28,6 +28,13 @@ struct Participant {
     bool whole = false;                       // its one worker is the whole device (`render`), not a stream
 };
 
+/// How a device failed in a run.
+struct DeviceFailure {
+    std::string device;
+    std::string why;        // one line
+    bool ofMemory = false;  // there was none for this frame; the device is well
+};
+
 /// What is to be made, and what is predicted of it.
 struct TileWork {
     FrameRequest request;
@@ -51,8 +58,8 @@ public:
     /// Tiles that nobody delivered.
     std::vector<Tile> missing() const;
     const ScheduleReport& report() const { return report_; }
-    /// Devices that failed, and how.
-    const std::vector<std::pair<std::string, std::string>>& failures() const { return failures_; }
+    /// Each device once.
+    const std::vector<DeviceFailure>& failures() const { return failures_; }
     /// Finished batches, by device name; what rates are learned from.
     const std::vector<std::pair<std::string, BatchRecord>>& records() const { return records_; }
     /// What the tiles that were delivered turned out to cost.
@@ -72,17 +79,22 @@ private:
         std::vector<Tile> tiles;
         double begin = 0.0;
     };
+    /// What went wrong with a batch; `why` is empty where nothing did.
+    struct Failure {
+        std::string why;
+        bool ofMemory = false;
+    };
 
     void begin();
     void startIdle();
     void serve(uint32_t worker, std::optional<FrameBalance::Batch> batch, bool stay);
     void serveUnserved(std::unique_lock<std::mutex>& lock);
     std::optional<FrameBalance::Batch> nextBatch(uint32_t worker);
-    std::string renderBatch(const FrameBalance::Batch& batch, Assignment& assignment);
+    Failure renderBatch(const FrameBalance::Batch& batch, Assignment& assignment);
     void take(uint32_t device, TileResult&& result);
-    void settle(const FrameBalance::Batch& batch, const Assignment& assignment, const std::string& failure);
+    void settle(const FrameBalance::Batch& batch, const Assignment& assignment, const Failure& failure);
     void flush(const FrameBalance::Batch& batch);
-    void fail(uint32_t device, const std::string& why);
+    void fail(uint32_t device, const Failure& failure);
     bool wait(std::unique_lock<std::mutex>& lock, bool giveUp);
     void close(std::unique_lock<std::mutex>& lock);
     double busyOf(const Assignment& assignment, uint32_t device, double duration) const;
@@ -108,7 +120,7 @@ private:
     std::vector<bool> serving_;                               // by worker: has a thread
     std::vector<WorkerReport> workers_;
     ScheduleReport report_;
-    std::vector<std::pair<std::string, std::string>> failures_;
+    std::vector<DeviceFailure> failures_;
     std::vector<std::pair<std::string, BatchRecord>> records_;
     /// Workers that have a batch, or may ask for one, and no thread.
     std::vector<std::pair<uint32_t, std::optional<FrameBalance::Batch>>> unserved_;

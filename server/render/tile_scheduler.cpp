@@ -224,9 +224,9 @@ void TileScheduler::shareManually(Plan& plan, const ViewMemory& view) {
 /// Devices that failed are left out from now on. So are those that stopped in a run with manual shares, if somebody else answers: what their
 /// side could not do is shared by all.
 void TileScheduler::leaveOut(std::vector<Candidate>& candidates, const TileRun& run) {
-    for (const auto& [device, why] : run.failures()) {
+    for (const DeviceFailure& failure : run.failures()) {
         for (Candidate& c : candidates) {
-            if (c.info.name == device) c.blocked = why;
+            if (c.info.name == failure.device) c.blocked = failure.why;
         }
     }
     auto answers = [](const Candidate& c) { return c.blocked.empty() && c.inFlight->count() == 0; };

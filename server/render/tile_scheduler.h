@@ -31,8 +31,8 @@ struct ScheduleMemory {
 
 struct ScheduleResult {
     ScheduleReport report;
-    std::vector<Tile> missing;                                  // that nobody delivered: all devices failed, or it was stopped
-    std::vector<std::pair<std::string, std::string>> failures;  // device, and how it failed
+    std::vector<Tile> missing;  // that nobody delivered: all devices failed, or it was stopped
+    std::vector<DeviceFailure> failures;
 };
 
 class TileScheduler {

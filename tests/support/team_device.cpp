@@ -3,6 +3,7 @@
 #include "tests/support/fake_device.h"
 
 #include <chrono>
+#include <new>
 #include <stdexcept>
 
 namespace heliograph::test {
@@ -59,6 +60,7 @@ void TeamDevice::renderStream(const FrameRequest&, std::span<const Tile> wanted,
         waitHere();
         if (throwAfter >= 0 && throwAfter-- <= 0) {
             throwAfter = 0;
+            if (outOfMemory) throw std::bad_alloc();
             throw std::runtime_error(name_ + " is lost");
         }
         if (leavesOut && i + 1 == wanted.size()) return;

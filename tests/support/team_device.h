@@ -33,8 +33,9 @@ public:
     std::vector<std::vector<uvec2>> asked();
     void forgetAsked();
 
-    std::atomic<int> throwAfter{-1};     // tiles, over all calls
-    std::atomic<bool> leavesOut{false};  // the last tile of each call
+    std::atomic<int> throwAfter{-1};       // tiles, over all calls
+    std::atomic<bool> outOfMemory{false};  // what it throws then is std::bad_alloc
+    std::atomic<bool> leavesOut{false};    // the last tile of each call
     std::atomic<bool> everyTwice{false};
     std::atomic<bool> wrongSizes{false};  // its tiles are half of what was asked for
     std::atomic<double> stamp{1e-4};      // seconds that it claims for a tile

@@ -352,6 +352,46 @@ TEST_F(Hybrid, WhatTheSinkThrowsIsNotTheDevicesFault) {
     EXPECT_EQ(render().tiles.count("embree"), 0u) << "vulkan:0 still renders";
 }
 
+// A picture of 33 million pixels, say: the others make it, and everybody else's frames go on with all devices.
+TEST_F(Hybrid, ADeviceWithoutMemoryForAFrameIsNotSetAside) {
+    make(true);
+    for (test::TeamDevice* one : {&cpu, &gpu}) {
+        one->outOfMemory = true;
+        one->throwAfter = 0;
+        EXPECT_EQ(render().samples, 1u) << one->info().name;
+        EXPECT_THAT(report.devices[one == &gpu].part.reason, ::testing::HasSubstr("no memory for this frame"));
+        one->throwAfter = -1;
+        const uint32_t calls = one->calls;
+        EXPECT_TRUE(test::until([&] { return render(), one->calls > calls; })) << one->info().name;
+    }
+    EXPECT_TRUE(notices.empty());
+}
+
+TEST_F(Hybrid, WithoutMemoryTheFallbackMakesTheFrameAndNoneAfter) {
+    settings.set("device", "vulkan:0");
+    make(true);
+    gpu.outOfMemory = true;
+    gpu.throwAfter = 0;
+    EXPECT_EQ(render().samples, 1u);
+    EXPECT_GT(cpu.tiles, 0u);
+    gpu.throwAfter = -1;
+    EXPECT_EQ(render().tiles.count("embree"), 0u);
+    EXPECT_TRUE(notices.empty());
+}
+
+TEST_F(Hybrid, WhereNobodyHasMemoryTheFrameFailsAlone) {
+    for (const char* name : {"hybrid", "vulkan:0"}) {
+        settings.set("device", name);
+        make(true);
+        gpu.outOfMemory = cpu.outOfMemory = true;
+        gpu.throwAfter = cpu.throwAfter = 0;
+        EXPECT_THAT([&] { render(); }, ::testing::ThrowsMessage<std::runtime_error>(::testing::HasSubstr("no memory"))) << name;
+        gpu.throwAfter = cpu.throwAfter = -1;
+        EXPECT_EQ(render().samples, 1u) << name;
+    }
+    EXPECT_TRUE(notices.empty());
+}
+
 TEST_F(Hybrid, WithoutThreadsDevicesAreMadeReadyByWhoAsks) {
     TileScheduler poor([](std::function<void()>) {
         throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));

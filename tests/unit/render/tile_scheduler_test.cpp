@@ -110,8 +110,8 @@ TEST_F(Team, ADeviceThatThrowsCostsItsBatchOnly) {
     EXPECT_TRUE(result.missing.empty());
     expectFilm(1);
     ASSERT_EQ(result.failures.size(), 1u);
-    EXPECT_EQ(result.failures[0].first, "broken");
-    EXPECT_THAT(result.failures[0].second, HasSubstr("is lost"));
+    EXPECT_EQ(result.failures[0].device, "broken");
+    EXPECT_THAT(result.failures[0].why, HasSubstr("is lost"));
     EXPECT_TRUE(reportOf("broken").lost);
 }
 
@@ -242,7 +242,7 @@ TEST_F(Team, ADeviceThatLeavesTilesOutOrReturnsOthersIsLost) {
     EXPECT_TRUE(result.missing.empty());
     expectFilm(1);
     EXPECT_EQ(result.failures.size(), 2u);
-    EXPECT_THAT(result.failures[0].second, HasSubstr("left out"));
+    EXPECT_THAT(result.failures[0].why, HasSubstr("left out"));
 }
 
 TEST_F(Team, StoppingEndsTheFrameAndSilencesTheDevices) {
@@ -394,9 +394,9 @@ TEST_F(Team, EveryFrameIsWholeWhateverHappens) {
                 for (auto& device : held) device->hold();
             const ScheduleResult result = render(sample);
             ASSERT_TRUE(result.missing.empty()) << "seed " << seed;
-            for (const auto& [name, why] : result.failures) {
+            for (const DeviceFailure& failure : result.failures) {
                 for (size_t i = 0; i < devices.size(); i++)
-                    if (devices[i]->info().name == name) blocked[i] = why;
+                    if (devices[i]->info().name == failure.device) blocked[i] = failure.why;
             }
         }
         for (auto& device : held) device->release();

@@ -32,6 +32,17 @@ constexpr int ADDERS = 2;                                       // threads of a 
 constexpr uint64_t OVERLAPPED = 4;                              // batches of a frame on a GPU
 constexpr auto CLOCK_WARM_UP = std::chrono::milliseconds(200);  // an idle GPU takes that long to raise its clock
 
+/// In a handler, throws what is handled: a VulkanError for want of memory as DeviceMemoryError, all else as it is.
+[[noreturn]] void rethrowForCaller() {
+    try {
+        throw;
+    } catch (const VulkanError& error) {
+        const VkResult result = error.result();
+        if (result != VK_ERROR_OUT_OF_HOST_MEMORY && result != VK_ERROR_OUT_OF_DEVICE_MEMORY) throw;
+        throw DeviceMemoryError(error.what());
+    }
+}
+
 class VulkanDevice : public Device {
 public:
     VulkanDevice(const std::string& which, const VulkanOptions& options, std::shared_ptr<ViewBounces> bounces)
@@ -106,7 +117,7 @@ public:
             renderAll(residentFor(request.settings, {}), request, tiles, sink, stop);
         } catch (...) {
             abandon();
-            throw;
+            rethrowForCaller();
         }
     }
 
@@ -129,7 +140,7 @@ public:
                 std::lock_guard lock(mutex_);
                 vkDeviceWaitIdle(gpu_.handle());
                 if (batch) release(*batch, true);
-                throw;
+                rethrowForCaller();
             }
         }
     }
