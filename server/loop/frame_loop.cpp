@@ -219,7 +219,7 @@ void FrameLoop::renderFilm() {
         auto span = stages_.enter("prepare");
         resident_->renderer->prepare(film_.view()->settings);  // others go on rendering meanwhile
     }
-    std::optional<Turns::Turn> turn = passes_.take(cancelled);
+    std::optional<Turns::Turn> turn = passes_.take(cancelled, film_.urgency());
     if (!turn) return endPass(false);
     if (first == 0) useLatestRequest();
     const bool completed = film_.renderPass(passes_, *resident_->renderer, cancelled, std::move(turn));

@@ -41,7 +41,8 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
 
 bool ViewFilm::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn) {
     if (samples_ == 0) inputSeconds_ = std::chrono::duration<double>(Clock::now() - view_->received).count();
-    if (!passes.render({renderer, request_, *film_, memory_, samples_, std::move(stop)}, figures_, std::move(turn)))
+    const Urgency urgent = urgency();
+    if (!passes.render({renderer, request_, *film_, memory_, samples_, std::move(stop), {}, urgent}, figures_, std::move(turn)))
         return false;
     samples_ = film_->completedSamples();
     return true;

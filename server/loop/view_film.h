@@ -27,6 +27,8 @@ public:
     void show(const ResidentScene& scene, const ViewRequest& request);
     /// One sample more. False when it was given up.
     bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn);
+    /// Of the next pass: the first shows an input that no picture shows yet.
+    Urgency urgency() const { return samples_ == 0 ? Urgency::awaited : Urgency::finer; }
     /// How far it is and what the viewer has of it.
     Delivery delivery() const;
     /// What it shows shall be delivered once more, although nothing has changed.

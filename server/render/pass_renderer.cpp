@@ -66,7 +66,7 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
     figures.schedule = {};
     for (size_t done = 0; done < tiles.size();) {
         if (turns_ && !turn) {
-            std::optional<Turns::Turn> next = take(pass.stop);
+            std::optional<Turns::Turn> next = take(pass.stop, pass.urgency);
             if (!next) return false;
             turn.emplace(std::move(*next));
         }

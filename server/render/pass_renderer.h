@@ -34,6 +34,7 @@ struct Pass {
     uint32_t firstSample = 0;  // samples that every pixel has
     std::stop_token stop = {};
     std::function<void(double share)> progress = {};  // of this pass; called from the device's threads, one at a time
+    Urgency urgency = Urgency::finer;
 };
 
 class PassRenderer {
@@ -44,7 +45,9 @@ public:
     PassRenderer() = default;
 
     /// Waits for a turn. Nothing when `stop` is asked for first.
-    std::optional<Turns::Turn> take(std::stop_token stop) { return turns_->take(account_, std::move(stop)); }
+    std::optional<Turns::Turn> take(std::stop_token stop, Urgency urgency) {
+        return turns_->take(account_, std::move(stop), urgency);
+    }
     /// Renders the pass; `turn` is its first one, if it was taken already. False when `stop` was asked for first: the film then
     /// holds some of the pass, which a later one continues. Adds to the figures what the film took, in either case. Throws what
     /// the device throws, and std::runtime_error when it leaves tiles out or memory runs out.

@@ -15,10 +15,11 @@ Turns::Turn::~Turn() {
     turns_->release(*account_, turns_->clock_() - begin_);
 }
 
-std::optional<Turns::Turn> Turns::take(Account& account, std::stop_token stop) {
+std::optional<Turns::Turn> Turns::take(Account& account, std::stop_token stop, Urgency urgency) {
     std::unique_lock lock(mutex_);
     std::condition_variable_any called;
-    waiting_.push_back({&account, std::max(now_, account.finish_), &called});
+    const double start = std::max(now_, account.finish_);
+    waiting_.push_back({&account, start, placeInLine(start, urgency), &called});
     const bool mine = called.wait(lock, stop, [&] {
         wakeUps_++;
         return !holder_ && next()->account == &account;
@@ -43,7 +44,7 @@ void Turns::callNext() {
 
 const Turns::Waiter* Turns::next() const {
     return &*std::min_element(waiting_.begin(), waiting_.end(),
-                              [](const Waiter& a, const Waiter& b) { return a.start < b.start; });
+                              [](const Waiter& a, const Waiter& b) { return a.place < b.place; });
 }
 
 void Turns::release(Account& account, double seconds) {

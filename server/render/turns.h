@@ -1,7 +1,8 @@
 #pragma once
 // Who may use the processors next. Every viewer renders from a thread of its own; before each slice of a pass it takes a
 // turn here. The turn goes to whoever has used the least time so far, so viewers of equal cost go round robin and a viewer
-// with dear settings gets no more time than one with cheap ones.
+// with dear settings gets no more time than one with cheap ones. An input that no picture shows yet goes before what only
+// makes a picture finer, within a head start.
 //
 // Start-time fair queueing: P. Goyal, H. Vin, H. Cheng, "Start-time Fair Queueing: A Scheduling Algorithm for Integrated
 // Services Packet Switching Networks", 1996.
@@ -16,6 +17,19 @@
 #include <vector>
 
 namespace heliograph {
+
+/// What a turn is for.
+enum class Urgency {
+    finer,    // more samples, a picture that is saved, a measurement
+    awaited,  // the first picture that shows an input
+};
+
+/// Seconds of use by which awaited turns may get ahead of the others. So nobody's samples wait for ever beside someone who
+/// never rests.
+constexpr double HEAD_START = 0.25;
+
+/// The lowest is next. `start`: virtual time at which the turn would begin (start-time fair queueing).
+inline double placeInLine(double start, Urgency urgency) { return urgency == Urgency::awaited ? start - HEAD_START : start; }
 
 class Turns {
 public:
@@ -45,7 +59,7 @@ public:
     explicit Turns(std::function<double()> clock = wallSeconds) : clock_(std::move(clock)) {}
 
     /// Waits for a turn. Nothing when `stop` is asked for first.
-    std::optional<Turn> take(Account& account, std::stop_token stop);
+    std::optional<Turn> take(Account& account, std::stop_token stop, Urgency urgency = Urgency::finer);
     /// How many wait.
     size_t waiting() const;
     /// How often a waiting thread looked whether it is next: once when it comes, once when it is called.
@@ -67,6 +81,7 @@ private:
     struct Waiter {
         Account* account;
         double start;
+        double place;
         std::condition_variable_any* called;
     };
     struct Past {

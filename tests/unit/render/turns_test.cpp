@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace heliograph {
 namespace {
@@ -104,18 +106,18 @@ void use(Turns& turns, Turns::Account& account, Clock& clock, double seconds) {
 }
 
 /// Lets two users wait behind a third, `first` earlier, and returns the order in which they are served.
-std::string orderOf(Turns& turns, Turns::Account& first, Turns::Account& second) {
+std::string orderOf(Turns& turns, Turns::Account& first, Turns::Account& second, Urgency ofSecond = Urgency::finer) {
     Turns::Account holder;
     std::optional<Turns::Turn> held;
     held.emplace(std::move(*turns.take(holder, {})));
     std::string order;
-    auto user = [&](Turns::Account& account, char name) {
-        auto turn = turns.take(account, {});
+    auto user = [&](Turns::Account& account, char name, Urgency urgency) {
+        auto turn = turns.take(account, {}, urgency);
         order += name;
     };
-    std::jthread one([&] { user(first, '1'); });
+    std::jthread one([&] { user(first, '1', Urgency::finer); });
     EXPECT_TRUE(test::until([&] { return turns.waiting() >= 1; }));
-    std::jthread two([&] { user(second, '2'); });
+    std::jthread two([&] { user(second, '2', ofSecond); });
     EXPECT_TRUE(test::until([&] { return turns.waiting() >= 2; }));
     held.reset();
     one.join();
@@ -140,6 +142,48 @@ TEST(Turns, WhoHasUsedLessComesFirst) {
     EXPECT_DOUBLE_EQ(turns.used(greedy).own, 0.5);
     EXPECT_DOUBLE_EQ(turns.used(greedy).all, 0.5);
     EXPECT_DOUBLE_EQ(turns.used(modest).own, 0.0);
+}
+
+struct User {
+    double seconds;  // a turn
+    Urgency urgency;
+    double start = 0.0;  // virtual time
+};
+
+/// Who has the next `turns` turns if all want one all the time, by number.
+std::vector<int> served(std::vector<User> users, int turns) {
+    auto place = [](const User& user) { return placeInLine(user.start, user.urgency); };
+    std::vector<int> order;
+    for (int turn = 0; turn < turns; turn++) {
+        const auto next =
+            std::min_element(users.begin(), users.end(), [&](const User& a, const User& b) { return place(a) < place(b); });
+        next->start += next->seconds;
+        order.push_back(static_cast<int>(next - users.begin()));
+    }
+    return order;
+}
+
+TEST(Turns, AnAwaitedPictureGoesBeforeFinerOnesWithinItsHeadStart) {
+    EXPECT_LT(placeInLine(1.0 + 0.9 * HEAD_START, Urgency::awaited), placeInLine(1.0, Urgency::finer));
+    EXPECT_GT(placeInLine(1.0 + 1.1 * HEAD_START, Urgency::awaited), placeInLine(1.0, Urgency::finer));
+    EXPECT_LT(placeInLine(1.0, Urgency::awaited), placeInLine(1.1, Urgency::awaited)) << "among themselves by use";
+    // The dear one has used ten times as much when its hand rests; the others' pictures only become finer meanwhile.
+    EXPECT_EQ(served({{0.004, Urgency::finer}, {0.004, Urgency::finer}, {0.04, Urgency::awaited, 0.04}}, 1),
+              std::vector<int>{2});
+    // Who never rests gets ahead by the head start and no further: from then on both have half of the time.
+    const std::vector<int> order = served({{0.01, Urgency::finer}, {0.01, Urgency::awaited}}, 200);
+    const auto awaited = std::count(order.begin(), order.end(), 1);
+    EXPECT_NEAR(static_cast<double>(awaited), 100.0 + 0.5 * HEAD_START / 0.01, 2.0);
+}
+
+TEST(Turns, AnAwaitedTurnIsGivenBeforeAFinerOneThatCameFirst) {
+    Clock clock;
+    Turns turns(clock.reader());
+    Turns::Account rests, moves;
+    use(turns, moves, clock, 0.5 * HEAD_START);
+    EXPECT_EQ(orderOf(turns, rests, moves, Urgency::awaited), "21");
+    use(turns, moves, clock, 2.0 * HEAD_START);
+    EXPECT_EQ(orderOf(turns, rests, moves, Urgency::awaited), "12");
 }
 
 TEST(Turns, ANewcomerDoesNotMakeUpForTheTimeBefore) {
