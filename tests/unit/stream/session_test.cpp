@@ -465,6 +465,52 @@ TEST(Session, AFullServerRefusesAnotherScene) {
     EXPECT_EQ(line.socket->last("scene")["state"], "failed");
 }
 
+// Nothing gets out of a message: the socket thread serves the others, too.
+TEST(Session, WithoutMemoryForWhatItAskedTheViewerIsClosed) {
+    for (const json& message : {json({{"type", "resolution"}, {"width", 64}, {"height", 48}, {"inputId", 1}}),
+                                json({{"type", "scene"}, {"name", "second"}})}) {
+        Line line;
+        line.session->begin();
+        line.host.poor = true;
+        EXPECT_NO_THROW(line.say(message)) << message;
+        EXPECT_EQ(line.socket->closed, CloseCode::serverError) << message;
+        EXPECT_EQ(line.socket->closeReason, "out of memory");
+        line.host.poor = false;
+        line.session->end();
+    }
+}
+
+TEST(Session, WithoutMemoryForAFrameTheNextInputIsAnswered) {
+    Line line;
+    line.host.device->poor = true;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(
+        line.socket->until([&] { return !line.socket->texts.empty() && line.socket->texts.back()["type"] == "error"; }));
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("rendering failed"));
+    EXPECT_TRUE(line.socket->headers.empty());
+    line.host.device->poor = false;
+    line.look(2);
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    EXPECT_EQ(line.socket->headers.back().inputId, 2u);
+    EXPECT_FALSE(line.socket->closed);
+}
+
+// Statistics come later: who keeps the clock of all sessions goes on (Service::attend).
+TEST(Session, ATickWithoutMemoryLeavesTheSessionAsItWas) {
+    Line line;
+    line.session->begin();
+    line.size();
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    line.host.poor = true;
+    EXPECT_THROW(line.session->tick(Session::Clock::now() + 1s), std::bad_alloc);
+    line.host.poor = false;
+    line.session->tick(Session::Clock::now() + 1s);
+    EXPECT_FALSE(line.socket->last("stats").is_null());
+    line.look(2);
+    EXPECT_TRUE(line.socket->untilFrame(2));
+}
+
 TEST(Session, WithoutTheTokenNothingIsTold) {
     const std::string secret = "0123456789abcdef0123";
     Line line(secret);

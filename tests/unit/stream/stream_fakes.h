@@ -7,8 +7,10 @@
 #include "tests/support/direct_renderer.h"
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <new>
 
 namespace heliograph::test {
 
@@ -32,6 +34,7 @@ public:
     std::mutex mutex;
     std::condition_variable_any changed;
     bool held = false;
+    std::atomic<bool> poor{false};  // has no memory for any tile
     DeviceInfo info() const override { return {"embree", "for tests", "none", 1}; }
     void load(std::shared_ptr<const Scene>, const Settings&, const Progress&) override {}
     void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
@@ -41,6 +44,7 @@ public:
                 changed.wait(lock, stop, [&] { return !held; });
             }
             if (stop.stop_requested()) return;
+            if (poor) throw std::bad_alloc();
             TileResult result;
             result.tile = tile;
             result.device = "embree";
@@ -73,18 +77,25 @@ public:
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override {
         opened.push_back(name);
         if (full) throw InputError("scene.name", "no room", "later");
+        if (poor) throw std::bad_alloc();
         if (manual) listeners.push_back(std::move(listener));
         else listener.ready(residentScene(name, name != "bare", device));
         return std::make_shared<int>(0);
     }
-    uint64_t grantPixels(uint32_t, uint64_t wanted) override { return std::min(wanted, pixelLimit); }
+    uint64_t grantPixels(uint32_t, uint64_t wanted) override {
+        if (poor) throw std::bad_alloc();
+        return std::min(wanted, pixelLimit);
+    }
     std::vector<std::string> devices() const override { return {"auto", "embree", "raster", "hybrid"}; }
     void viewEnded(std::shared_ptr<View> view) override {
         views_.remove(*view);
         endedViews.push_back(std::move(view));
     }
     Views& views() override { return views_; }
-    size_t viewerCount() const override { return 3; }
+    size_t viewerCount() const override {
+        if (poor) throw std::bad_alloc();
+        return 3;
+    }
     Turns& turns() override { return turns_; }
     Metrics& metrics() override { return metrics_; }
 
@@ -92,6 +103,7 @@ public:
     std::vector<std::string> opened;
     std::vector<SceneListener> listeners;
     bool manual = false, full = false;
+    bool poor = false;  // no memory for anything
     uint64_t pixelLimit = 3'000'000;
     Views views_;
     Turns turns_;
