@@ -9,33 +9,15 @@
 
 namespace heliograph::load {
 
-namespace {
-
 bool steady(const LoadResult& result, const Shown& shown) {
     return shown.at >= result.begun && shown.at <= result.begun + result.seconds;
 }
 
-/// Nearest rank; 0 of nothing.
 double percentile(std::vector<float> values, double share) {
     if (values.empty()) return 0.0;
     const size_t rank = std::min(values.size() - 1, static_cast<size_t>(share * static_cast<double>(values.size())));
     std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(rank), values.end());
     return values[rank];
-}
-
-template <class Value>
-std::vector<float> gathered(const LoadResult& result, Value value) {
-    std::vector<float> all;
-    for (const ViewerResult& viewer : result.viewers) {
-        for (const Shown& shown : viewer.viewer->shown()) {
-            if (steady(result, shown) && value(shown) >= 0.0f) all.push_back(value(shown));
-        }
-    }
-    return all;
-}
-
-std::vector<float> delaysOf(const LoadResult& result) {
-    return gathered(result, [](const Shown& shown) { return shown.motionToPhoton; });
 }
 
 double rateOf(const LoadResult& result, const ViewerResult& viewer) {
@@ -56,6 +38,23 @@ std::string escaped(const std::string& text) {
         }
     }
     return out;
+}
+
+namespace {
+
+template <class Value>
+std::vector<float> gathered(const LoadResult& result, Value value) {
+    std::vector<float> all;
+    for (const ViewerResult& viewer : result.viewers) {
+        for (const Shown& shown : viewer.viewer->shown()) {
+            if (steady(result, shown) && value(shown) >= 0.0f) all.push_back(value(shown));
+        }
+    }
+    return all;
+}
+
+std::vector<float> delaysOf(const LoadResult& result) {
+    return gathered(result, [](const Shown& shown) { return shown.motionToPhoton; });
 }
 
 double rounded(double value) { return std::round(value * 100.0) / 100.0; }
@@ -190,113 +189,6 @@ std::string reportJunit(const LoadPlan& plan, const LoadResult& result, const st
         text += "</testcase>\n";
     }
     return text + "</testsuite>\n";
-}
-
-namespace {
-
-struct Second {
-    std::vector<float> delays, renders, encodes, queues;
-    size_t frames = 0;
-};
-
-/// Polyline through one value a second; `top` is the value at the upper edge.
-std::string curve(const std::vector<double>& values, double top, const char* colour) {
-    std::string points;
-    for (size_t i = 0; i < values.size(); i++)
-        points +=
-            fmt::format("{:.1f},{:.1f} ",
-                        50.0 + 730.0 * static_cast<double>(i) / std::max<double>(1.0, static_cast<double>(values.size()) - 1.0),
-                        170.0 - 150.0 * std::min(1.0, values[i] / top));
-    return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>", points, colour);
-}
-
-std::string chart(const std::string& title, const std::string& unit,
-                  const std::vector<std::tuple<std::string, const char*, std::vector<double>>>& curves) {
-    double top = 1e-9;
-    for (const auto& [name, colour, values] : curves)
-        for (const double value : values) top = std::max(top, value);
-    top *= 1.1;
-    std::string svg = fmt::format("<h2>{}</h2><svg viewBox=\"0 0 800 200\" role=\"img\" aria-label=\"{}\">", title, title);
-    for (int i = 0; i <= 3; i++)
-        svg += fmt::format(
-            "<line x1=\"50\" x2=\"780\" y1=\"{0}\" y2=\"{0}\" stroke=\"#333\"/><text x=\"44\" y=\"{1}\" "
-            "text-anchor=\"end\">{2:.3g}</text>",
-            170 - 50 * i, 174 - 50 * i, top * i / 3.0);
-    double x = 60.0;
-    for (const auto& [name, colour, values] : curves) {
-        svg += curve(values, top, colour);
-        svg += fmt::format(
-            "<rect x=\"{0}\" y=\"184\" width=\"10\" height=\"10\" fill=\"{1}\"/><text x=\"{2}\" y=\"193\">{3}</text>", x,
-            colour, x + 14.0, name);
-        x += 24.0 + 7.5 * static_cast<double>(name.size());
-    }
-    return svg + fmt::format("<text x=\"780\" y=\"193\" text-anchor=\"end\">{}, by seconds</text></svg>", unit);
-}
-
-std::string charts(const LoadResult& result) {
-    std::vector<Second> seconds(std::max<size_t>(1, static_cast<size_t>(std::lround(result.seconds))));
-    for (const ViewerResult& viewer : result.viewers) {
-        for (const Shown& shown : viewer.viewer->shown()) {
-            if (!steady(result, shown)) continue;
-            Second& second = seconds[std::min(seconds.size() - 1, static_cast<size_t>(shown.at - result.begun))];
-            second.frames++;
-            if (shown.motionToPhoton >= 0.0f) second.delays.push_back(shown.motionToPhoton);
-            second.renders.push_back(shown.render);
-            second.encodes.push_back(shown.encode);
-            second.queues.push_back(shown.queue);
-        }
-    }
-    const auto over = [&](auto value) {
-        std::vector<double> values;
-        for (const Second& second : seconds) values.push_back(value(second));
-        return values;
-    };
-    return chart("Pictures a second, all viewers", "1/s",
-                 {{"pictures", "#4aa3ff", over([](const Second& s) { return static_cast<double>(s.frames); })}}) +
-           chart("Motion to photon", "ms",
-                 {{"median", "#4aa3ff", over([](const Second& s) { return percentile(s.delays, 0.5); })},
-                  {"95th percentile", "#ffb14a", over([](const Second& s) { return percentile(s.delays, 0.95); })}}) +
-           chart("The server's stages, median", "ms",
-                 {{"render", "#4aa3ff", over([](const Second& s) { return percentile(s.renders, 0.5); })},
-                  {"encode", "#7bd88f", over([](const Second& s) { return percentile(s.encodes, 0.5); })},
-                  {"queue", "#ffb14a", over([](const Second& s) { return percentile(s.queues, 0.5); })}});
-}
-
-}  // namespace
-
-std::string reportHtml(const LoadPlan& plan, const LoadResult& result, const std::vector<Verdict>& verdicts) {
-    std::string page = fmt::format(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Load test of {0}</title><style>"
-        "body{{background:#16181c;color:#e6e6e6;font:15px system-ui;max-width:860px;margin:32px auto;padding:0 16px}}"
-        "table{{border-collapse:collapse;width:100%}}td,th{{padding:4px 12px 4px "
-        "0;text-align:right;font-variant-numeric:tabular-nums}}"
-        "td:first-child,th:first-child{{text-align:left}}h1{{font-size:22px}}h2{{font-size:17px;margin-top:32px}}svg "
-        "text{{fill:#bbb;font-size:11px}}"
-        ".met{{color:#7bd88f}}.missed{{color:#ff7a6b}}</style><h1>Load test of {0}</h1><p>{1} viewers ({2}, {3}x{4}, line: "
-        "{5}) for {6:.1f} s</p>",
-        escaped(plan.url), plan.viewers, wordOf(plan.script), plan.width, plan.height, plan.network.name, result.seconds);
-    if (!verdicts.empty()) {
-        page += "<h2>Requirements</h2><table>";
-        for (const Verdict& v : verdicts)
-            page += fmt::format("<tr><td>{}</td><td>{:.2f}</td><td class=\"{}\">{}</td></tr>", escaped(v.requirement.text),
-                                v.value, v.met ? "met" : "missed", v.met ? "met" : "missed");
-        page += "</table>";
-    }
-    page += "<h2>Figures</h2><table>";
-    for (const auto& [name, value] : figuresOf(result)) page += fmt::format("<tr><td>{}</td><td>{:.2f}</td></tr>", name, value);
-    page += "</table>" + charts(result) +
-            "<h2>Viewers</h2><table><tr><th>viewer</th><th>script</th><th>pictures/s</th><th>last input, "
-            "ms</th><th>faults</th></tr>";
-    for (size_t i = 0; i < result.viewers.size(); i++) {
-        const ViewerResult& viewer = result.viewers[i];
-        page += fmt::format("<tr><td>{}</td><td>{}</td><td>{:.1f}</td><td>{}</td><td>{}</td></tr>", i + 1,
-                            wordOf(viewer.viewer->script()), rateOf(result, viewer),
-                            viewer.viewer->lastInputMs() ? fmt::format("{:.1f}", *viewer.viewer->lastInputMs()) : "–",
-                            viewer.admitted ? std::to_string(viewer.viewer->faultCount()) : "refused");
-        for (const std::string& fault : viewer.viewer->faults())
-            page += "<tr><td></td><td colspan=\"4\" class=\"missed\">" + escaped(fault) + "</td></tr>";
-    }
-    return page + "</table></html>\n";
 }
 
 }  // namespace heliograph::load

@@ -180,5 +180,31 @@ TEST(LoadReport, CountsSteadyLoadAlone) {
     EXPECT_EQ(reportJson(plan, result, verdicts).at("frames"), 4.0);
 }
 
+TEST(LoadReport, ThePageSaysEveryFigureInWordsAndNeedsNothingFromOutside) {
+    LoadPlan plan;
+    plan.url = "ws://\"<b>.example/ws";
+    LoadResult result;
+    result.seconds = 2.0;
+    for (uint32_t i = 0; i < 30; i++) result.viewers.push_back({std::make_unique<LoadViewer>(plan, i), 0, i > 0, true});
+    const std::string page = reportHtml(plan, result, judge({requirementOf("errors==0")}, figuresOf(result)));
+    for (const auto& [name, value] : figuresOf(result))
+        EXPECT_NE(page.find("<td>" + name + "</td><td class=\"words\">"), std::string::npos) << name;
+    EXPECT_EQ(page.find("<b>"), std::string::npos);
+    EXPECT_EQ(page.find("href"), std::string::npos);
+    EXPECT_EQ(page.find("src="), std::string::npos);
+    EXPECT_NE(page.find("width=device-width"), std::string::npos);
+    EXPECT_NE(page.find("prefers-color-scheme"), std::string::npos);
+    EXPECT_NE(page.find("<summary>30 viewers"), std::string::npos) << "many are folded";
+}
+
+TEST(LoadReport, AxesHaveRoundNumbersThatHoldTheHighestValue) {
+    EXPECT_DOUBLE_EQ(axisStep(1070.0, 3), 500.0);
+    EXPECT_DOUBLE_EQ(axisStep(59.4, 3), 20.0);
+    EXPECT_DOUBLE_EQ(axisStep(3.0, 3), 1.0);
+    EXPECT_DOUBLE_EQ(axisStep(0.02, 3), 0.01);
+    EXPECT_DOUBLE_EQ(axisStep(0.0, 3), 1.0);
+    for (double value = 0.001; value < 1e6; value *= 1.3) EXPECT_GE(axisStep(value, 3) * 3.0, value);
+}
+
 }  // namespace
 }  // namespace heliograph::load
