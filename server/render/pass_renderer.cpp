@@ -41,16 +41,17 @@ void begin(ViewMemory& view, const Pass& pass, uvec2 cell) {
 
 }  // namespace
 
-uvec2 PassRenderer::cellFor(uvec2 wanted) const { return turns_ ? sliceCell(wanted, workerSecondsPerPixel_) : wanted; }
+uvec2 PassRenderer::cellFor(uvec2 wanted) const { return slices_ ? sliceCell(wanted, workerSecondsPerPixel_) : wanted; }
 
 size_t PassRenderer::tilesOfTurn(size_t left, uint32_t workers, uvec2 cell) const {
-    if (!turns_) return left;
+    if (!slices_) return left;
     return std::min(left, tilesPerTurn(secondsPerPixel_ * cell.x * cell.y, workers, turns_->shared(account_)));
 }
 
 bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<Turns::Turn> turn) {
     const Settings& settings = pass.request.settings;
-    const uint32_t workers = pass.renderer.infoFor(settings).workers;
+    const DeviceInfo info = pass.renderer.infoFor(settings);
+    slices_ = turns_ && !info.drawsWhole;
     uvec2 cell = cellFor(glm::min(tileSize(settings), pass.film.resolution()));
     std::vector<Tile> tiles = pass.film.tilesFor(pass.firstSample, 1, cell);
     if (pass.firstSample > 0) makeRoom(pass.film);
@@ -76,7 +77,7 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
             done = 0;
             pass.view.costs.begin(pass.film.resolution(), cell);
         }
-        const size_t count = tilesOfTurn(tiles.size() - done, workers, cell);
+        const size_t count = tilesOfTurn(tiles.size() - done, info.workers, cell);
         const std::span<Tile> slice = std::span(tiles).subspan(done, count);
         const std::vector<Tile> left = renderSlice(pass, slice, figures, partition.get());
         turn.reset();
@@ -106,7 +107,7 @@ std::vector<Tile> PassRenderer::renderSlice(const Pass& pass, std::span<const Ti
     std::atomic<bool> over{false};
     const double begin = wallSeconds();
     auto sink = [&](TileResult&& result) {
-        if (turns_ && !over && sliceOver(wallSeconds() - begin, turns_->contended())) over = true, stop.request_stop();
+        if (slices_ && !over && sliceOver(wallSeconds() - begin, turns_->contended())) over = true, stop.request_stop();
         if (!pass.film.add(result)) return;
         std::lock_guard lock(mutex);
         taken.insert(keyOf(result.tile));

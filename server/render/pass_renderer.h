@@ -65,6 +65,7 @@ private:
 
     Turns* turns_ = nullptr;
     Turns::Account account_;
+    bool slices_ = false;                 // the pass in work is cut into slices
     uint64_t donePixels_ = 0;             // of the pass in work
     double secondsPerPixel_ = 0.0;        // wall time; 0: not known yet
     double workerSecondsPerPixel_ = 0.0;  // thread time, whatever else the processors do

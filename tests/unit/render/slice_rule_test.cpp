@@ -4,6 +4,7 @@
 #include "server/render/pass_renderer.h"
 #include "tests/support/direct_renderer.h"
 #include "tests/support/fake_device.h"
+#include "tests/support/until.h"
 
 #include <gtest/gtest.h>
 
@@ -114,6 +115,41 @@ TEST(PassRenderer, DearPassesAreCutSmallAndGiveTheSamePicture) {
     cut->develop(a);
     whole->develop(b);
     EXPECT_EQ(a, b);
+}
+
+/// Draws all of the picture for any tile of it.
+struct WholeDevice : test::FakeDevice {
+    DeviceInfo info() const override {
+        DeviceInfo info = FakeDevice::info();
+        info.drawsWhole = true;
+        return info;
+    }
+    void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token) override {
+        calls++;
+        const double begin = wallSeconds();
+        while (wallSeconds() < begin + 0.03) std::this_thread::yield();
+        for (const Tile& tile : tiles) {
+            TileResult result = test::fakeResult(tile, "whole");
+            result.seconds = 0.03 / static_cast<double>(tiles.size());
+            sink(std::move(result));
+        }
+    }
+    int calls = 0;
+};
+
+// Cut into slices that the clock ends, each tile would cost a drawing, and a frame thousands of them.
+TEST(PassRenderer, ADeviceThatDrawsTheWholePictureIsCalledOnceAPass) {
+    Turns turns;
+    std::jthread other([&](std::stop_token stop) {  // always waits
+        Turns::Account account;
+        while (!stop.stop_requested()) turns.take(account, stop);
+    });
+    EXPECT_TRUE(test::until([&] { return turns.wakeUps() > 0; }));
+    auto device = std::make_shared<WholeDevice>();
+    PassFigures figures;
+    filmOf(device, &turns, 3, figures);
+    EXPECT_EQ(device->calls, 3);
+    EXPECT_EQ(figures.passes, 3u);
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ public:
         info.name = device_name::raster;
         info.details = "raster preview on " + gpu_.physical().name;
         info.hardware = gpu_.physical().isCpu() ? "cpu" : "gpu:" + std::to_string(gpu_.physical().index);
-        info.workers = 1 << 16;  // a picture is drawn whole: it should come in one piece
+        info.workers = 1 << 16;
+        info.drawsWhole = true;
         return info;
     }
 
