@@ -144,6 +144,23 @@ private:
         return device;
     }
 
+    /// Whether the device has the scene and what it needs for such requests; waits for both. For where nobody else could render
+    /// meanwhile.
+    bool warmedUp(const std::string& name, const FrameRequest& request) {
+        const std::shared_ptr<Device> device = loaded(name, request.settings, {});
+        if (!device) return false;
+        try {
+            if (device->warmth(request) == Warmth::cold) device->warmUp(request);
+        } catch (const std::exception& error) {
+            setAside(name, error.what());
+            return false;
+        }
+        const std::shared_ptr<DeviceSlot> slot = entry(name);
+        std::lock_guard lock(slot->mutex);
+        slot->blocked = false;  // it is warm, though whoever began to warm it may not have said so yet
+        return true;
+    }
+
     void standBy(const std::string& name, Device& device) {
         try {
             device.standBy();
@@ -207,7 +224,7 @@ private:
         if (std::ranges::none_of(team, can)) {
             for (const std::string& member : offer_.team) {
                 if (switchedOff(member, request.settings) || full.contains(member)) continue;
-                if (loaded(member, request.settings, {})) break;
+                if (warmedUp(member, request)) break;
             }
             team = candidates(request, full);
         }

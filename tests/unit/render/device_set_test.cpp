@@ -337,6 +337,22 @@ TEST_F(Hybrid, ALukewarmDeviceTakesPartWhileItCompiles) {
     EXPECT_TRUE(test::until([&] { return gpu.warmUps > 0; }));
 }
 
+// Embree switched off, and the other device compiles for effects that were switched on just now.
+TEST_F(Hybrid, WhereTheOnlyOneLeftCompilesTheFrameWaitsForIt) {
+    make(true);  // both have the scene
+    device.reset();
+    make(false);
+    ASSERT_TRUE(test::until([&] { return render(), device->info().details == "embree + vulkan:0"; }));
+    settings.set("enableEmbree", false);
+    ASSERT_TRUE(test::until([&] { return render().tiles.count("vulkan:0") == 1; }));
+    for (int i = 0; i < 3; i++) {
+        gpu.cold = true;
+        EXPECT_EQ(render().samples, 1u);
+        EXPECT_FALSE(gpu.cold);
+    }
+    EXPECT_TRUE(notices.empty());
+}
+
 // One viewer's film finds no memory, say: nobody else hears of it, and no device is set aside.
 TEST_F(Hybrid, WhatTheSinkThrowsIsNotTheDevicesFault) {
     settings.set("device", "vulkan:0");
