@@ -3,6 +3,9 @@
 process lives, the last input of a viewer who watches is answered, its picture is that of an undisturbed server bit for bit,
 and at the end no descriptor, no thread and no memory has leaked. Prints a table, fault by invariant.
 
+Threads and devices are taken away by control groups of version 1, which takes root; without them it is said what was
+not run.
+
 chaos.py [--seconds 60] [--seed 1] [--scene cornell] [--devices LIST]; HELIOGRAPH names the program. Exit code 1: one broke."""
 import argparse, os, random, resource, signal, socket, struct, sys, threading, time
 
@@ -57,6 +60,34 @@ class Watcher(support.Viewer):
         self.socket.close()
 
 
+class ControlGroup:
+    """A control group (version 1, as root) for processes or, with `freezer`, for single threads; gone at the end."""
+
+    def __init__(self, controller):
+        self.folder = '/sys/fs/cgroup/%s/heliograph-chaos-%d' % (controller, os.getpid())
+        self.controller = controller
+
+    def __enter__(self):
+        os.makedirs(self.folder, exist_ok=True)
+        return self
+
+    def write(self, file, value):
+        with open(os.path.join(self.folder, file), 'w') as f:
+            f.write(str(value))
+
+    def __exit__(self, *_):
+        for file in ('tasks', 'cgroup.procs'):
+            with open(os.path.join(self.folder, file)) as f:
+                for member in f.read().split():
+                    with open('/sys/fs/cgroup/%s/%s' % (self.controller, file), 'w') as parent:
+                        parent.write(member)
+        os.rmdir(self.folder)
+
+    @staticmethod
+    def here(controller):
+        return os.access('/sys/fs/cgroup/%s/cgroup.procs' % controller, os.W_OK)
+
+
 class Fault:
     def __init__(self, server, rng):
         self.server, self.rng = server, rng
@@ -102,6 +133,45 @@ class Fault:
         time.sleep(0.5 + self.rng.random())
         self.server.send(signal.SIGCONT)
 
+    def threads_short(self):
+        """No thread is to be had for whoever comes; those inside have theirs."""
+        with ControlGroup('pids') as group:
+            group.write('cgroup.procs', self.server.process.pid)
+            group.write('pids.max', self.status('Threads') + 1)
+            for _ in range(12):
+                try:
+                    Watcher(self.server.port).cut()
+                except (OSError, RuntimeError, ValueError, IndexError):
+                    pass  # refused
+            group.write('pids.max', 'max')
+
+    def device_stalls(self):
+        """The threads of the software Vulkan device stand still; the rest of the process runs."""
+        with ControlGroup('freezer') as group:
+            for thread in self.device_threads():
+                group.write('tasks', thread)
+            group.write('freezer.state', 'FROZEN')
+            time.sleep(1 + self.rng.random())
+            group.write('freezer.state', 'THAWED')
+
+    def device_threads(self):
+        folder = '/proc/%d/task' % self.server.process.pid
+        found = []
+        for thread in os.listdir(folder):
+            with open(os.path.join(folder, thread, 'comm')) as f:
+                if f.read().startswith('llvmpipe'):
+                    found.append(thread)
+        return found
+
+    def possible(self):
+        """Names of the faults that can be made here, and why others cannot."""
+        names, missing = list(FAULTS), []
+        if not ControlGroup.here('pids'):
+            missing.append('threads_short: no control group pids')
+        if not ControlGroup.here('freezer') or not self.device_threads():
+            missing.append('device_stalls: no software Vulkan device among --devices, or no control group freezer')
+        return [n for n in names if not any(m.startswith(n) for m in missing)], missing
+
     def descriptors(self):
         pid = self.server.process.pid
         before = resource.prlimit(pid, resource.RLIMIT_NOFILE)
@@ -137,7 +207,18 @@ class Fault:
         resource.prlimit(pid, resource.RLIMIT_AS, before)
 
 
-FAULTS = ['viewers_killed', 'viewer_stalls', 'scenes_storm', 'dear_settings', 'process_stopped', 'descriptors', 'memory']
+FAULTS = ['viewers_killed', 'viewer_stalls', 'scenes_storm', 'dear_settings', 'process_stopped', 'descriptors', 'memory',
+          'threads_short', 'device_stalls']
+
+
+def make(fault, name, watcher):
+    """The watcher moves all the while, and reads."""
+    worker = threading.Thread(target=getattr(fault, name))
+    worker.start()
+    while watcher.closed is None and worker.is_alive():
+        watcher.look()
+        watcher.read(0.05)
+    worker.join()
 
 
 def undisturbed(arguments, options):
@@ -165,7 +246,60 @@ def full_disk(arguments, options, reference):
     row('disk full (log)', code == 0, answered, picture == reference)
 
 
+def little_memory(arguments, options, reference):
+    """A control group of 1,500 MiB, in which a viewer asks for the largest picture there is."""
+    if not ControlGroup.here('memory'):
+        print('not run: memory by control group, which is not here')
+        return
+    with ControlGroup('memory') as group:
+        group.write('memory.limit_in_bytes', 1500 << 20)
+        group.write('cgroup.procs', os.getpid())  # the server is started inside
+        try:
+            server = support.Server(*arguments, scene=options.scene)
+        finally:
+            with open('/sys/fs/cgroup/memory/cgroup.procs', 'w') as parent:
+                parent.write(str(os.getpid()))
+        watcher, large = Watcher(server.port), Watcher(server.port, (8192, 4050))
+        end = time.monotonic() + 10
+        while time.monotonic() < end and large.closed is None:
+            large.look()
+            large.read(0.3)
+        watcher.look()
+        answered, picture = watcher.answered(), watcher.picture()
+        large.cut()
+        code, _ = server.end()
+        row('memory (cgroup)', code == 0, answered, picture == reference)
+
+
+def killed(arguments):
+    """kill -9, and a start on the same port: how long until it serves, with a scene of 70,000 triangles."""
+    server = support.Server(*arguments, scene='courtyard')
+    watcher = Watcher(server.port)
+    answered_before = watcher.answered()
+    port = server.port
+    server.send(signal.SIGKILL)
+    server.process.wait()
+    begin = time.monotonic()
+    again = support.Server(*arguments, scene='courtyard', port=port)
+    serving = time.monotonic() - begin
+    watcher = Watcher(port)
+    watcher.look()
+    answered = watcher.answered()
+    print('after kill -9: serving the courtyard after %.2f s, first frame after %.2f s' % (serving, time.monotonic() - begin))
+    row('killed (-9)', again.end()[0] == 0, answered_before and answered, True)
+
+
+rows = {}  # fault: how often, and how often each invariant held
+
+
+def summary():
+    print('| fault | times | process lives | last input answered | same picture |\n| --- | ---: | ---: | ---: | ---: |')
+    for fault, held in rows.items():
+        print('| %s | %d | %d | %d | %d |' % ((fault, len(held)) + tuple(sum(column) for column in zip(*held))))
+
+
 def row(fault, alive, answered, same):
+    rows.setdefault(fault, []).append((alive, answered, same))
     words = {True: 'holds', False: 'BROKEN'}
     print('| %-18s | %-7s | %-9s | %-7s |' % (fault, words[alive], words[answered], words[same]), flush=True)
     for name, good in (('alive', alive), ('answered', answered), ('same picture', same)):
@@ -186,35 +320,37 @@ def main():
     reference = undisturbed(arguments, options)
     print('| fault              | process | last input | picture |\n| --- | --- | --- | --- |', flush=True)
     full_disk(arguments, options, reference)
+    little_memory(arguments, options, reference)
+    killed(arguments)
     server = support.Server(*arguments, scene=options.scene)
     watcher = Watcher(server.port)
     watcher.answered()
     fault = Fault(server, rng)
-    for name in FAULTS[:4]:
-        getattr(fault, name)()  # pools and arenas are there then
+    names, missing = fault.possible()
+    for why in missing:
+        print('not run: ' + why, flush=True)
+    for name in names:
+        make(fault, name, watcher)  # pools and arenas are there then
     watcher.answered()
     time.sleep(3)
     descriptors, threads = len(os.listdir('/proc/%d/fd' % server.process.pid)), fault.status('Threads')
     memory = fault.status('VmRSS')
-    end, turn = time.monotonic() + options.seconds, 0
+    end, turn, settled_threads = time.monotonic() + options.seconds, 0, 0
     while time.monotonic() < end and server.process.poll() is None:
-        name = FAULTS[turn] if turn < len(FAULTS) else rng.choice(FAULTS)  # each one at least, if there is time
+        name = names[turn] if turn < len(names) else rng.choice(names)  # each one at least, if there is time
         turn += 1
-        # The watcher moves all the while, and reads.
-        over = threading.Event()
-        worker = threading.Thread(target=lambda: (getattr(fault, name)(), over.set()))
-        worker.start()
-        while not over.is_set() and watcher.closed is None and worker.is_alive():
-            watcher.look()
-            watcher.read(0.05)
-        worker.join()
+        if time.monotonic() > end - options.seconds / 2 and not settled_threads:
+            settled_threads = fault.status('Threads')  # by now there are as many as ever were busy at once; they are kept
+        make(fault, name, watcher)
         if watcher.closed is not None or server.process.poll() is not None:
             row(name, server.process.poll() is None, False, False)
             break
         watcher.look()
         answered = watcher.answered()
         row(name, server.process.poll() is None, answered, watcher.picture() == reference)
+    summary()
     if server.process.poll() is None:
+        threads = max(threads, settled_threads)
         settled = support.until(lambda: fault.status('Threads') <= threads + 2
                                 and len(os.listdir('/proc/%d/fd' % server.process.pid)) <= descriptors + 2, PATIENCE)
         support.check('no thread and no descriptor leaked', settled is not None, '%d threads and %d descriptors before, %d and %d after' % (
