@@ -74,6 +74,7 @@ SETTING_CHOICE(tileHeight, renderer, film, 2, "8|16|32|64|128|256", "Tile height
 SETTING_BOOL(primaryPackets, renderer, film, true, "Primary packets", "", "", "Trace camera and shadow rays in packets instead of one by one.")
 SETTING_BOOL(secondaryPackets, renderer, film, true, "Secondary packets", "", "", "Trace ambient occlusion, reflection and refraction rays in packets.")
 SETTING_CHOICE(bvhQuality, renderer, film, 1, "low|medium|high", "BVH quality", "", "", "Quality of the acceleration structure: higher builds slower and may trace faster.")
+SETTING_BOOL(exactRounding, renderer, film, true, "Exact rounding", "", "on", "Graphics processors round quotients and roots as the processor does: the same picture bit by bit. Off is a little faster there.")
 SETTING_BOOL(robust, renderer, film, false, "Robust traversal", "", "on", "Watertight traversal: no ray slips through an edge. Costs 5 to 19 percent.")
 SETTING_INT(jpegQuality, picture, display, 80, 10, 100, "", "JPEG quality", "", "up", "Quality of the streamed picture while it changes.")
 #undef SETTING

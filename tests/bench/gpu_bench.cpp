@@ -10,7 +10,8 @@
 //   heliograph-bench start     seconds from nothing to the first frame; JSON
 //   heliograph-bench devices   what there is
 // Options: --device D, --size WxH, --detail X (share of the triangles), --repetitions N, --out FOLDER, --validation,
-// --statistics (registers and memory of each program, logged), --scene NAME (hybrid, effects, reach, switch: one scene)
+// --statistics (registers and memory of each program, logged), --driver-rounding (quotients and roots as the driver has them),
+// --scene NAME (hybrid, effects, reach, switch: one scene)
 
 #include "tests/bench/colonnade.h"
 #include "tests/bench/gpu_bench.h"
@@ -384,6 +385,7 @@ Options parse(int argc, char** argv) {
         else if (word == "--out") options.out = value();
         else if (word == "--validation") options.validation = true;
         else if (word == "--statistics") options.statistics = true;
+        else if (word == "--driver-rounding") options.driverRounding = true;
         else if (options.command.empty() && !word.starts_with("-")) options.command = word;
         else throw std::runtime_error("unknown option " + word);
     }

@@ -19,6 +19,7 @@ struct Options {
     uint32_t repetitions = 30;
     bool validation = false;
     bool statistics = false;
+    bool driverRounding = false;
 };
 
 inline double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }

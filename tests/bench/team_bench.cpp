@@ -106,6 +106,7 @@ VulkanOptions vulkanOptions(const Options& options, uint64_t batch) {
     VulkanOptions result;
     result.validation = options.validation;
     result.statistics = options.statistics;
+    if (options.driverRounding) result.rounding = Rounding::driver;
     result.batchSamples = batch;
     return result;
 }

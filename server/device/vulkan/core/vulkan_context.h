@@ -10,6 +10,10 @@
 
 namespace heliograph {
 
+/// Who rounds quotients and square roots. automatic: drivers that compute on the processor, which round to nearest; for others
+/// as the setting exactRounding says. exact, driver: whatever the setting says; for tests and benchmarks.
+enum class Rounding { automatic, driver, exact };
+
 struct VulkanOptions {
     bool validation = false;      // the validation layer checks every call; its messages are logged and counted
     uint64_t memoryLimit = 0;     // bytes that a device may allocate, 0 = what the driver grants
@@ -17,7 +21,8 @@ struct VulkanOptions {
     bool alwaysStandsBy = false;  // a device of type cpu, too, keeps a program for all effects of the scene; for tests
     bool lastCoreOnly = false;    // a driver that computes on the processor gets one thread on the last core; for benchmarks
 
-    bool statistics = false;      // registers and memory of each program that is compiled are logged; for benchmarks
+    Rounding rounding = Rounding::automatic;
+    bool statistics = false;  // registers and memory of each program that is compiled are logged; for benchmarks
 
     bool operator==(const VulkanOptions&) const = default;
 };

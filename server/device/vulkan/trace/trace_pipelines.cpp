@@ -12,7 +12,16 @@ namespace heliograph {
 
 namespace {
 
-constexpr size_t GENERAL = 4;  // which of a key's numbers
+constexpr size_t GENERAL = 4, EXACT = 6;  // which of a key's numbers
+
+OwnedShaderModule moduleOf(const Gpu& gpu, const std::vector<uint32_t>& code) {
+    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    info.codeSize = code.size() * sizeof(uint32_t);
+    info.pCode = code.data();
+    VkShaderModule module;
+    check(vkCreateShaderModule(gpu.handle(), &info, nullptr, &module), "take the tracer's shader");
+    return {gpu.handle(), module};
+}
 
 uint32_t roundUp(uint32_t n, uint32_t step) { return (n + step - 1) / step * step; }
 
@@ -71,13 +80,8 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::
     check(vkCreateDescriptorPool(device, &poolInfo, nullptr, &pool), "make a descriptor pool");
     pool_ = {device, pool};
     if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4() : shaders::traceWide2();
-    std::vector<uint32_t> code = withoutContraction(other);
-    VkShaderModuleCreateInfo moduleInfo{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    moduleInfo.codeSize = code.size() * sizeof(uint32_t);
-    moduleInfo.pCode = code.data();
-    VkShaderModule module;
-    check(vkCreateShaderModule(device, &moduleInfo, nullptr, &module), "take the tracer's shader");
-    module_ = {device, module};
+    module_ = moduleOf(gpu, withoutContraction(other));
+    exactModule_ = moduleOf(gpu, withoutContraction(withExactQuotients(other)));
 }
 
 VkDescriptorSet TracePipelines::newSet() {
@@ -99,7 +103,8 @@ void TracePipelines::freeSet(VkDescriptorSet set) {
 }
 
 TracePipelines::Key TracePipelines::keyOf(const Kind& kind) {
-    return {kind.effects.bits, kind.pathStack, roundUp(kind.bvhStack, 16), kind.varieties, kind.general, kind.firstSurface};
+    return {kind.effects.bits, kind.pathStack,    roundUp(kind.bvhStack, 16), kind.varieties,
+            kind.general,      kind.firstSurface, kind.exactRounding};
 }
 
 VkPipeline TracePipelines::find(const Kind& kind) {
@@ -146,7 +151,7 @@ OwnedPipeline TracePipelines::make(const Key& constants) const {
                   nullptr,
                   0,
                   VK_SHADER_STAGE_COMPUTE_BIT,
-                  module_.get(),
+                  (constants[EXACT] != 0 ? exactModule_ : module_).get(),
                   "main",
                   &specialization};
     info.layout = layout_.get();
@@ -156,9 +161,10 @@ OwnedPipeline TracePipelines::make(const Key& constants) const {
           "compile the tracer");
     OwnedPipeline made{gpu_.handle(), pipeline};
     if (gpu_.pipelineStatistics()) {
-        log().info("{}: effects {:#x}, path stack {}, bvh stack {}, varieties {:#x}, general {}, first surface {}: {}",
-                   gpu_.physical().name, constants[0], constants[1], constants[2], constants[3], constants[4], constants[5],
-                   pipelineStatistics(gpu_, pipeline));
+        log().info(
+            "{}: effects {:#x}, path stack {}, bvh stack {}, varieties {:#x}, general {}, first surface {}, exact {}: {}",
+            gpu_.physical().name, constants[0], constants[1], constants[2], constants[3], constants[4], constants[5],
+            constants[EXACT], pipelineStatistics(gpu_, pipeline));
     }
     return made;
 }

@@ -38,8 +38,9 @@ public:
         uint32_t pathStack = 0;  // pathStackSize
         uint32_t bvhStack = 0;
         uint32_t varieties = ~0u;
-        bool general = false;       // asks the frame which of its effects it has
-        bool firstSurface = false;  // paths end at their first surface; those that would go on are counted
+        bool general = false;        // asks the frame which of its effects it has
+        bool firstSurface = false;   // paths end at their first surface; those that would go on are counted
+        bool exactRounding = false;  // withExactQuotients
     };
     /// Compiles at the first call; calls for pipelines that are there do not wait for that. Safe from several threads.
     VkPipeline get(const Kind& kind);
@@ -50,7 +51,7 @@ public:
     size_t count() const;
 
 private:
-    using Key = std::array<uint32_t, 6>;  // as in Kind: the values of the shader's constants
+    using Key = std::array<uint32_t, 7>;  // as in Kind: the values of the shader's six constants, and which module
     static Key keyOf(const Kind& kind);
     OwnedPipeline make(const Key& constants) const;
 
@@ -60,7 +61,7 @@ private:
     OwnedDescriptorSetLayout setLayout_;
     OwnedPipelineLayout layout_;
     OwnedDescriptorPool pool_;
-    OwnedShaderModule module_;
+    OwnedShaderModule module_, exactModule_;
     struct Made {
         OwnedPipeline pipeline;
         uint64_t lastUse = 0;

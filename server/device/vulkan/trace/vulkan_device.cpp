@@ -168,7 +168,7 @@ public:
     Warmth warmth(const FrameRequest& request) const override {
         std::lock_guard lock(warmMutex_);
         if (warm_.contains(warmKey(request))) return Warmth::warm;
-        return general_ && general_->serves(request) ? Warmth::generic : Warmth::cold;
+        return general_ && general_->serves(request, roundsExactly(request.settings)) ? Warmth::generic : Warmth::cold;
     }
 
     void standBy() override {
@@ -185,7 +185,8 @@ public:
             general.quality = quality;
             general.effects = effectsOf(*source_);
             general.pathStack = pathStackSize(general.effects, Settings{});
-            kind = kindOf(*resident.scene, general.effects, general.pathStack);
+            general.exactRounding = roundsExactly(Settings{});
+            kind = kindOf(*resident.scene, general.effects, general.pathStack, general.exactRounding);
             kind.general = true;
             first = kindFor(*resident.scene, firstRequest(Settings{}));
         }
@@ -200,10 +201,17 @@ public:
 
 private:
     /// What tells the programs of requests apart, beside what belongs to the scene.
-    using WarmKey = std::array<uint32_t, 3>;
-    static WarmKey warmKey(const FrameRequest& request) {
+    using WarmKey = std::array<uint32_t, 4>;
+    WarmKey warmKey(const FrameRequest& request) const {
         return {request.effects.bits, pathStackSize(request.effects, request.settings),
-                treeQuality(request.settings.bvhQuality)};
+                treeQuality(request.settings.bvhQuality), roundsExactly(request.settings)};
+    }
+
+    /// Drivers that compute on the processor round exactly by themselves.
+    bool roundsExactly(const Settings& settings) const {
+        const Rounding rounding = context_->options().rounding;
+        if (rounding != Rounding::automatic) return rounding == Rounding::exact;
+        return settings.exactRounding && !gpu_.physical().isCpu();
     }
 
     // On a processor Embree is faster than such programs would be, and each takes seconds to compile at its first dispatch.
@@ -215,17 +223,19 @@ private:
         EffectSet effects;
         uint32_t pathStack = 0;
         uint32_t quality = 0;  // of the trees, whose depth is compiled in
-        bool serves(const FrameRequest& request) const {
-            return treeQuality(request.settings.bvhQuality) == quality && (request.effects.bits & ~effects.bits) == 0 &&
-                   pathStackSize(request.effects, request.settings) <= pathStack;
+        bool exactRounding = false;
+        bool serves(const FrameRequest& request, bool exact) const {
+            return exact == exactRounding && treeQuality(request.settings.bvhQuality) == quality &&
+                   (request.effects.bits & ~effects.bits) == 0 && pathStackSize(request.effects, request.settings) <= pathStack;
         }
     };
 
-    static TracePipelines::Kind kindOf(const GpuScene& scene, EffectSet effects, uint32_t pathStack) {
-        return {effects, pathStack, scene.stackDepth(), scene.varieties()};
+    static TracePipelines::Kind kindOf(const GpuScene& scene, EffectSet effects, uint32_t pathStack, bool exactRounding) {
+        return {effects, pathStack, scene.stackDepth(), scene.varieties(), false, false, exactRounding};
     }
-    static TracePipelines::Kind kindFor(const GpuScene& scene, const FrameRequest& request) {
-        return kindOf(scene, request.effects, pathStackSize(request.effects, request.settings));
+    TracePipelines::Kind kindFor(const GpuScene& scene, const FrameRequest& request) const {
+        return kindOf(scene, request.effects, pathStackSize(request.effects, request.settings),
+                      roundsExactly(request.settings));
     }
 
     void setWarm(const FrameRequest& request) {
@@ -307,7 +317,7 @@ private:
         if (VkPipeline own = pipelines_.find(kind)) return own;
         {
             std::lock_guard lock(warmMutex_);
-            if (general_ && general_->serves(request)) return general_->pipeline;
+            if (general_ && general_->serves(request, roundsExactly(request.settings))) return general_->pipeline;
         }
         return pipelines_.get(kind);
     }
