@@ -13,7 +13,7 @@ void CellCosts::begin(uvec2 resolution, uvec2 cellSize) {
     resolution_ = resolution;
     cellSize_ = cellSize;
     cells_ = (resolution + cellSize - 1u) / cellSize;
-    fromCentre_ = centreFirst(cells_);
+    fromCentre_.clear();
     forget();
 }
 
@@ -26,6 +26,11 @@ void CellCosts::forget() {
     }
     known_ = false;
     deviation_ = 0.0;
+}
+
+const std::vector<uint32_t>& CellCosts::fromCentre() const {
+    if (fromCentre_.empty()) fromCentre_ = centreFirst(cells_);
+    return fromCentre_;
 }
 
 uint32_t CellCosts::cellAt(uvec2 pixel) const {

@@ -17,7 +17,7 @@ public:
     /// Number of the cell that holds this pixel, row-major.
     uint32_t cellAt(uvec2 pixel) const;
     /// Cells by their distance from the middle of the picture, nearest first.
-    const std::vector<uint32_t>& fromCentre() const { return fromCentre_; }
+    const std::vector<uint32_t>& fromCentre() const;
     /// Rays of one sample for each of its pixels. Its number of pixels while nothing is known.
     float predicted(uint32_t cell) const { return costs_[cell]; }
     /// What predictions were wrong by in the pass before, root mean square over the cells; 0 while nothing is known.
@@ -30,7 +30,7 @@ public:
 
 private:
     uvec2 resolution_{0, 0}, cellSize_{0, 0}, cells_{0, 0};
-    std::vector<uint32_t> fromCentre_;
+    mutable std::vector<uint32_t> fromCentre_;  // made when it is first asked for
     std::vector<float> costs_;
     bool known_ = false;
     double squaredErrors_ = 0.0, deviation_ = 0.0;

@@ -110,7 +110,7 @@ std::vector<Tile> PassRenderer::renderSlice(const Pass& pass, std::span<const Ti
         if (slices_ && !over && sliceOver(wallSeconds() - begin, turns_->contended())) over = true, stop.request_stop();
         if (!pass.film.add(result)) return;
         std::lock_guard lock(mutex);
-        taken.insert(keyOf(result.tile));
+        if (turns_) taken.insert(keyOf(result.tile));  // no clock ends a slice without turns
         pixels += static_cast<uint64_t>(result.tile.size.x) * result.tile.size.y;
         figures.rays.add(result.rays);
         figures.lastRays.add(result.rays);
