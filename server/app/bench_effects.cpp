@@ -67,11 +67,7 @@ std::string formatted(const char* format, Values... values) {
     return text;
 }
 
-std::string listed(const std::vector<std::string>& words) {
-    std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-    return text.empty() ? "none" : text;
-}
+std::string listed(const std::vector<std::string>& words) { return words.empty() ? "none" : joined(words); }
 
 template <typename Result>
 std::string heading(const Result& r) {

@@ -1,5 +1,6 @@
 #include "server/app/devices.h"
 
+#include "server/base/text.h"
 #include "server/device/embree/embree_device.h"
 #include "server/device/embree/embree_raw.h"
 
@@ -25,12 +26,6 @@ std::vector<PhysicalDevice> usableVulkanDevices() {
 
 // A Vulkan device that is no processor: only that is faster than Embree.
 bool isGpu(const PhysicalDevice& device) { return !device.isCpu(); }
-
-std::string joined(const std::vector<std::string>& words) {
-    std::string line;
-    for (const std::string& word : words) line += (line.empty() ? "" : " ") + word;
-    return line;
-}
 
 }  // namespace
 
@@ -133,7 +128,7 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     for (const std::string& word : only) {
         if (std::ranges::find(offer.words, word) == offer.words.end())
             throw InputError("--devices", word + " is not here",
-                             "a list of " + joined(offer.words) + " (see heliograph devices)");
+                             "a list of " + joined(offer.words, " ") + " (see heliograph devices)");
     }
     if (!only.empty() && only.front() != "auto") automatic = only.front() == vulkan ? best : only.front();
     if (std::ranges::find(only, "auto") == only.end() && !only.empty()) {

@@ -1,5 +1,6 @@
 #include "server/app/doctor_command.h"
 
+#include "server/base/text.h"
 #include "server/app/devices.h"
 #include "server/app/devices_command.h"
 #include "server/app/serve_command.h"
@@ -23,9 +24,7 @@ void judgeDevices(const ServeOptions& options, std::vector<Finding>& findings) {
         const DeviceOffer offered = deviceOffer(options.devices);
         words = offered.words;
         automatic = offered.nameOf(Settings());
-        std::string list;
-        for (const std::string& word : words) list += (list.empty() ? "" : ", ") + word;
-        return "viewers may choose " + list + "; auto is " + automatic;
+        return "viewers may choose " + joined(words) + "; auto is " + automatic;
     }));
     for (Finding& finding : judgeDeviceRows(deviceList(), words, automatic)) findings.push_back(std::move(finding));
 }

@@ -46,10 +46,8 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
         std::snprintf(name, sizeof name, "  %-26s", label);
         out << name << oneLine(value) << "\n";
     };
-    auto joined = [](const auto& items) {
-        std::string text;
-        for (const auto& item : items) text += (text.empty() ? "" : ", ") + item.name;
-        return text.empty() ? std::string("none") : text;
+    auto namesOf = [](const auto& items) {
+        return items.empty() ? std::string("none") : joined(items, ", ", [](const auto& item) { return item.name; });
     };
     auto corner = [](vec3 v) {
         char text[96];
@@ -65,8 +63,8 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
                   json["ms"]["effects"].get<double>());
     row("loading", size);
     row("bounds", corner(scene.bounds.low) + " to " + corner(scene.bounds.high) + " m");
-    row("cameras", joined(scene.cameras));
-    row("camera paths", joined(scene.paths));
+    row("cameras", namesOf(scene.cameras));
+    row("camera paths", namesOf(scene.paths));
     printEffects(json["effects"], "calls for", true, true, out);
     printEffects(json["effects"], "calls for, but not simulated", true, false, out);
     printEffects(json["effects"], "does not call for", false, true, out);

@@ -1,5 +1,6 @@
 #include "server/app/scene_options.h"
 
+#include "server/base/text.h"
 #include "server/base/error.h"
 
 #include <algorithm>
@@ -47,9 +48,7 @@ std::string settingsHelp() {
         std::string range;
         if (row["type"] == "bool") range = "true or false";
         if (row["type"] == "int" || row["type"] == "float") range = plain(row["low"]) + " to " + plain(row["high"]);
-        if (row["type"] == "choice") {
-            for (const nlohmann::json& word : row["choices"]) range += (range.empty() ? "" : ", ") + plain(word);
-        }
+        if (row["type"] == "choice") range = joined(row["choices"], ", ", plain);
         std::string unit = plain(row["unit"]);
         text += "  " + plain(row["name"]) + " (" + plain(row["default"]) + "; " + range + (unit.empty() ? "" : " " + unit) +
                 ")\n      " + plain(row["help"]) + "\n";
@@ -90,7 +89,6 @@ uvec2 renderedSize(uvec2 size, const Settings& settings) {
 }
 
 Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option) {
-    std::string names;
     for (const NamedCamera& candidate : scene.cameras) {
         if (name.empty() || candidate.name == name) {
             Camera camera = cameraFrom(candidate);
@@ -98,9 +96,9 @@ Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& 
             else given.settings.fieldOfView = camera.fieldOfView;
             return checkedCamera(camera, scene);
         }
-        names += (names.empty() ? "" : ", ") + candidate.name;
     }
-    throw InputError(option, "the scene has no '" + name + "'", names);
+    throw InputError(option, "the scene has no '" + name + "'",
+                     joined(scene.cameras, ", ", [](const NamedCamera& camera) { return camera.name; }));
 }
 
 }  // namespace heliograph

@@ -1,5 +1,7 @@
 #include "server/base/text.h"
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <cstdio>
 
@@ -63,6 +65,10 @@ std::string oneLine(std::string_view text) {
         text.remove_prefix(bytes);
     }
     return line;
+}
+
+std::string joined(std::span<const std::string> words, std::string_view between) {
+    return fmt::to_string(fmt::join(words, between));
 }
 
 }  // namespace heliograph

@@ -1,8 +1,10 @@
 #pragma once
-// Text from outside on its way to a terminal or a log.
+// Text on its way to a terminal, a log or a message.
 
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace heliograph {
 
@@ -10,5 +12,16 @@ namespace heliograph {
 /// bytes that are no UTF-8 become \n, \t or \x1b; what turns the direction of writing, breaks lines or cannot be seen becomes
 /// \u{202e}. Everything else stays.
 std::string oneLine(std::string_view text);
+
+/// "red, green, blue".
+std::string joined(std::span<const std::string> words, std::string_view between = ", ");
+
+/// The same of what `wordOf` says of each.
+template <typename Range, typename Word>
+std::string joined(const Range& range, std::string_view between, Word wordOf) {
+    std::vector<std::string> words;
+    for (const auto& one : range) words.push_back(wordOf(one));
+    return joined(words, between);
+}
 
 }  // namespace heliograph

@@ -1,5 +1,6 @@
 #include "server/render/device_set.h"
 
+#include "server/base/text.h"
 #include "server/base/log.h"
 #include "server/render/device_slot.h"
 #include "server/request/device_rows.h"
@@ -263,14 +264,14 @@ private:
 
     /// Why no device is left.
     std::string whyNobody(const Settings& settings, const std::set<std::string>& full) {
-        std::string reasons;
+        std::vector<std::string> reasons;
         for (const std::string& name : offer_.team) {
             std::string why = switchedOff(name, settings) ? "switched off" : entry(name)->failure();
             if (why.empty() && full.contains(name)) why = NO_MEMORY;
             if (why.empty()) why = entry(name)->ready() ? "did not deliver" : "is not ready";
-            reasons += (reasons.empty() ? "" : "; ") + name + ": " + why;
+            reasons.push_back(name + ": " + why);
         }
-        return reasons.empty() ? "no device here" : reasons;
+        return reasons.empty() ? "no device here" : joined(reasons, "; ");
     }
 
     std::vector<Candidate> candidates(const FrameRequest& request, const std::set<std::string>& full) {

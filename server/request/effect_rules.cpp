@@ -1,9 +1,12 @@
 #include "server/request/effect_rules.h"
 
+#include "server/base/text.h"
+
 #include <algorithm>
 #include <array>
 #include <functional>
 #include <iterator>
+#include <span>
 
 namespace heliograph {
 
@@ -203,15 +206,15 @@ Finding shadows(const Usage& usage) {
     if (std::none_of(scene.lights.begin(), scene.lights.end(), shines)) return {false, "every light is black"};
     if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
     static const char* const KINDS[] = {"point", "spot", "directional", "headlight", "quad"};
-    std::string kinds;
+    std::vector<std::string> kinds;
     size_t shining = 0;
     for (uint32_t type = 0; type < std::size(KINDS); type++) {
         auto number = std::count_if(scene.lights.begin(), scene.lights.end(),
                                     [&](const Light& l) { return l.type == type && shines(l); });
-        if (number > 0) kinds += (kinds.empty() ? "" : ", ") + std::to_string(number) + " " + KINDS[type];
+        if (number > 0) kinds.push_back(std::to_string(number) + " " + KINDS[type]);
         shining += static_cast<size_t>(number);
     }
-    return {true, counted(shining, "light") + " (" + kinds + ")"};
+    return {true, counted(shining, "light") + " (" + joined(kinds) + ")"};
 }
 
 Finding softShadows(const Usage& usage) {
@@ -302,12 +305,11 @@ Finding secondTextureCoordinates(const Usage& usage) {
 /// "2 animations (walk, run)": the first names that there are.
 std::string listed(const std::vector<std::string>& names, const std::string& noun) {
     constexpr size_t NAMED = 4;
-    std::string some;
-    for (size_t i = 0; i < std::min(names.size(), NAMED); i++) {
-        if (!names[i].empty()) some += (some.empty() ? "" : ", ") + names[i];
-    }
-    if (names.size() > NAMED && !some.empty()) some += ", ...";
-    return counted(names.size(), noun) + (some.empty() ? "" : " (" + some + ")");
+    std::vector<std::string> some;
+    std::ranges::copy_if(std::span(names).first(std::min(names.size(), NAMED)), std::back_inserter(some),
+                         [](const std::string& name) { return !name.empty(); });
+    if (names.size() > NAMED && !some.empty()) some.push_back("...");
+    return counted(names.size(), noun) + (some.empty() ? "" : " (" + joined(some) + ")");
 }
 
 /// Scenes are shown at rest, and the list says so.

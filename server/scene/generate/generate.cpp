@@ -1,5 +1,6 @@
 #include "server/scene/generate/generate.h"
 
+#include "server/base/text.h"
 #include "server/base/error.h"
 
 namespace heliograph {
@@ -29,12 +30,11 @@ const std::vector<SceneRecipe>& generatedRecipes() {
 }
 
 void generateScene(const std::string& name, SceneBuilder& builder) {
-    std::string known;
     for (const Entry& entry : ENTRIES) {
         if (entry.name == name) return entry.fill(builder);
-        known += (known.empty() ? "" : ", ") + std::string(entry.name);
     }
-    throw InputError("scene", "no scene is called '" + name + "'", known);
+    throw InputError("scene", "no scene is called '" + name + "'",
+                     joined(ENTRIES, ", ", [](const Entry& entry) { return std::string(entry.name); }));
 }
 
 }  // namespace heliograph

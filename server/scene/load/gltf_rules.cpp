@@ -1,5 +1,6 @@
 #include "server/scene/load/gltf_rules.h"
 
+#include "server/base/text.h"
 #include "server/base/error.h"
 #include "server/scene/load/gltf_rule_table.h"
 
@@ -141,9 +142,7 @@ private:
     }
 
     static std::string supported() {
-        std::string text;
-        for (const KnownExtension& known : KNOWN) text += (text.empty() ? "" : ", ") + std::string(known.name);
-        return text;
+        return joined(KNOWN, ", ", [](const KnownExtension& known) { return std::string(known.name); });
     }
 
     /// Every node has one parent at most and no node is below itself; scenes name roots only.

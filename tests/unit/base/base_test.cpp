@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -144,6 +145,13 @@ TEST(Log, RefusesUnknownLevels) {
     EXPECT_THROW(setLogLevel("loud"), InputError);
     EXPECT_THROW(checkLogLevel(""), InputError);
     EXPECT_NO_THROW(setLogLevel("info"));
+}
+
+TEST(Text, WordsAreJoined) {
+    EXPECT_EQ(joined(std::vector<std::string>{}), "");
+    EXPECT_EQ(joined(std::vector<std::string>{"red"}), "red");
+    EXPECT_EQ(joined(std::vector<std::string>{"red", "green", ""}, "; "), "red; green; ");
+    EXPECT_EQ(joined(std::array{1, 2, 3}, " + ", [](int n) { return std::to_string(n); }), "1 + 2 + 3");
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #include "server/device/vulkan/core/pipeline_statistics.h"
 
+#include "server/base/text.h"
+
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace heliograph {
 
@@ -39,7 +40,7 @@ std::string pipelineStatistics(const Gpu& gpu, VkPipeline pipeline) {
         check(statisticsOf(gpu.handle(), &which, &count, found.data()), "read a pipeline's statistics");
         for (const auto& statistic : found) words.push_back(fmt::format("{} {}", statistic.name, valueOf(statistic)));
     }
-    return fmt::to_string(fmt::join(words, ", "));
+    return joined(words);
 }
 
 }  // namespace heliograph

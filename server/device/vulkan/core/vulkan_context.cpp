@@ -1,5 +1,6 @@
 #include "server/device/vulkan/core/vulkan_context.h"
 
+#include "server/base/text.h"
 #include "server/base/error.h"
 #include "server/base/log.h"
 #include "server/device/vulkan/core/keep_libraries.h"
@@ -88,9 +89,8 @@ void VulkanContext::create() {
 }
 
 const PhysicalDevice& VulkanContext::find(const std::string& which) const {
-    std::string present;
-    for (const PhysicalDevice& device : devices_)
-        present += (present.empty() ? "" : ", ") + std::to_string(device.index) + " (" + device.name + ")";
+    const std::string present = joined(
+        devices_, ", ", [](const PhysicalDevice& device) { return std::to_string(device.index) + " (" + device.name + ")"; });
     const bool number = which.find_first_not_of("0123456789") == std::string::npos;  // names hold digits, too
     const PhysicalDevice* best = nullptr;
     for (const PhysicalDevice& device : devices_) {
