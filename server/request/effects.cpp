@@ -18,12 +18,12 @@ constexpr Amount amountOf(bool Named::*) { return nullptr; }
 
 constexpr EffectRow ROWS[] = {
 #define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) \
-    {CONSTANT,                                                             \
-     #name,                                                                \
-     switchOf(&Named::setting) ? std::string_view(#setting) : "",          \
-     help,                                                                 \
-     switchOf(&Named::setting),                                            \
-     parent,                                                               \
+    {CONSTANT,                                                                   \
+     #name,                                                                      \
+     switchOf(&Named::setting) ? std::string_view(#setting) : "",                \
+     help,                                                                       \
+     switchOf(&Named::setting),                                                  \
+     parent,                                                                     \
      amountOf(&Named::positive)},
 #include "shaders/kernel/effect_table.glsl"
 };
