@@ -81,7 +81,9 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::
     pool_ = {device, pool};
     if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4() : shaders::traceWide2();
     module_ = moduleOf(gpu, withoutContraction(other));
-    exactModule_ = moduleOf(gpu, withoutContraction(withExactQuotients(other)));
+    if (!gpu.physical().isCpu() || gpu.context().options().rounding == Rounding::exact) {
+        exactModule_ = moduleOf(gpu, withoutContraction(withExactQuotients(other)));
+    }
 }
 
 VkDescriptorSet TracePipelines::newSet() {
