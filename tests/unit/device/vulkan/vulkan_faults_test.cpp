@@ -1,0 +1,109 @@
+// Whatever call fails half way: VulkanError says so, and nothing that was made before stays.
+
+#include "tests/unit/device/vulkan/vulkan_faults.h"
+
+#include "server/device/vulkan/bench/timed_run.h"
+#include "server/device/vulkan/raster/raster_device.h"
+#include "server/device/vulkan/raster/raster_pipelines.h"
+#include "server/device/vulkan/raster/raster_target.h"
+#include "server/device/vulkan/trace/gpu_scene.h"
+#include "server/device/vulkan/trace/vulkan_device.h"
+#include "tests/support/direct_renderer.h"
+#include "tests/support/test_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+
+namespace heliograph {
+namespace {
+
+/// Does `work` again and again; each time `step` calls later one fails, until none does. Returns the names of those that did.
+std::set<std::string> failEach(const std::function<void()>& work, uint32_t step = 1) {
+    constexpr uint32_t MOST = 2000;
+    std::set<std::string> calls;
+    for (uint32_t succeeding = 0; succeeding < MOST; succeeding += step) {
+        std::string told;
+        faults::failAfter(succeeding);
+        try {
+            work();
+        } catch (const std::exception& error) {
+            told = error.what();
+        }
+        faults::end();
+        EXPECT_TRUE(faults::alive().empty())
+            << succeeding << " calls before " << faults::failed() << " failed: " << faults::alive().begin()->first << " stays";
+        if (faults::failed().empty()) return calls;
+        // Without a cache pipelines are compiled anew each time, and all goes on.
+        if (faults::failed() != "vkCreatePipelineCache")
+            EXPECT_NE(told.find("could not"), std::string::npos) << faults::failed() << " failed, told: '" << told << "'";
+        calls.insert(faults::failed());
+        if (::testing::Test::HasFailure()) return calls;
+    }
+    ADD_FAILURE() << "more than " << MOST << " calls";
+    return calls;
+}
+
+void expectAll(const std::set<std::string>& failed, std::initializer_list<const char*> expected) {
+    for (const char* call : expected) EXPECT_TRUE(failed.contains(call)) << call << " was never the one to fail";
+}
+
+TEST(VulkanFaults, AGpuThatOpensHalfWayLeavesNothing) {
+    auto context = vulkanContext();
+    const PhysicalDevice& physical = context->find("");
+    const std::vector<uint32_t> content(1000, 7);
+    const auto failed = failEach([&] {
+        Gpu gpu(context, physical);
+        GpuBuffer filled = gpu.filled(std::span<const uint32_t>(content));
+        timedRuns(
+            gpu, [](VkCommandBuffer) {}, 1, 0.0);
+    });
+    expectAll(failed, {"vkCreateDevice", "vkCreateCommandPool", "vkCreateSemaphore", "vkCreatePipelineCache", "vkCreateBuffer",
+                       "vkAllocateMemory", "vkBindBufferMemory", "vkMapMemory", "vkCreateQueryPool", "vkAllocateCommandBuffers",
+                       "vkBeginCommandBuffer", "vkEndCommandBuffer", "vkQueueSubmit"});
+}
+
+TEST(VulkanFaults, RasterPipelinesMadeHalfWayLeaveNothing) {
+    auto context = vulkanContext();
+    const PhysicalDevice& physical = context->find("");
+    if (!physical.graphics) GTEST_SKIP() << physical.name << " draws nothing";
+    const auto failed = failEach([&] {
+        Gpu gpu(context, physical);
+        RasterPipelines pipelines(gpu);
+        pipelines.get({});
+        RasterTarget target(gpu, pipelines.pass(), {32, 16});
+    });
+    expectAll(failed, {"vkCreateRenderPass", "vkCreateDescriptorSetLayout", "vkCreatePipelineLayout", "vkCreateDescriptorPool",
+                       "vkAllocateDescriptorSets", "vkCreateShaderModule", "vkCreateGraphicsPipelines", "vkCreateImage",
+                       "vkBindImageMemory", "vkCreateImageView", "vkCreateFramebuffer"});
+}
+
+/// Loads a scene and draws a frame of it.
+void drawOnce(const std::unique_ptr<Device>& device) {
+    auto scene = test::squareScene();
+    FrameRequest request;
+    request.resolution = {16, 16};
+    request.camera.position = vec3(0.0f, 0.0f, 3.0f);
+    device->load(scene, request.settings, {});
+    Film film;
+    renderFrame(*device, request, 1, film);
+}
+
+// Compiling takes a while, so not every call has its turn.
+TEST(VulkanFaults, ATracerThatFailsHalfWayLeavesNothing) {
+    constexpr uint32_t STEP = 7;
+    auto context = vulkanContext();  // the instance stays
+    const auto failed = failEach([] { drawOnce(makeVulkanDevice()); }, STEP);
+    EXPECT_GT(failed.size(), 3u);
+}
+
+TEST(VulkanFaults, APreviewThatFailsHalfWayLeavesNothing) {
+    auto context = vulkanContext();
+    if (!context->find("").graphics) GTEST_SKIP() << "the device draws nothing";
+    const auto failed = failEach([] { drawOnce(makeRasterDevice()); });
+    expectAll(failed, {"vkCreateGraphicsPipelines", "vkCreateFramebuffer", "vkCreateImage"});
+}
+
+}  // namespace
+}  // namespace heliograph
