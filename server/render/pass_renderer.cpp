@@ -48,10 +48,20 @@ size_t PassRenderer::tilesOfTurn(size_t left, uint32_t workers, uvec2 cell) cons
     return std::min(left, tilesPerTurn(secondsPerPixel_ * cell.x * cell.y, workers, turns_->shared(account_)));
 }
 
+/// With other settings a pixel may take a thousand times what it took.
+void PassRenderer::forgetWhatNoLongerHolds(const FrameRequest& request) {
+    const Settings acting = onlyActing(request.settings, Acts::film);
+    if (acting == measuredWith_ && request.effects.bits == measuredEffects_.bits) return;
+    measuredWith_ = acting;
+    measuredEffects_ = request.effects;
+    forget();
+}
+
 bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<Turns::Turn> turn) {
     const Settings& settings = pass.request.settings;
     const DeviceInfo info = pass.renderer.infoFor(settings);
     slices_ = turns_ && !info.drawsWhole;
+    forgetWhatNoLongerHolds(pass.request);
     uvec2 cell = cellFor(glm::min(tileSize(settings), pass.film.resolution()));
     std::vector<Tile> tiles = pass.film.tilesFor(pass.firstSample, 1, cell);
     if (pass.firstSample > 0) makeRoom(pass.film);
@@ -77,7 +87,12 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
             done = 0;
             pass.view.costs.begin(pass.film.resolution(), cell);
         }
-        const size_t count = tilesOfTurn(tiles.size() - done, info.workers, cell);
+        size_t count = tilesOfTurn(tiles.size() - done, info.workers, cell);
+        if (slices_ && !(workerSecondsPerPixel_ > 0.0) && turns_->shared(account_)) {
+            tiles = withSmallFirst(std::span(tiles).subspan(done));
+            done = 0;
+            count = std::min<size_t>(tiles.size(), std::max(info.workers, 1u));
+        }
         const std::span<Tile> slice = std::span(tiles).subspan(done, count);
         const std::vector<Tile> left = renderSlice(pass, slice, figures, partition.get());
         turn.reset();

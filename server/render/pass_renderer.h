@@ -59,11 +59,14 @@ public:
     std::optional<double> held() const { return turns_->held(account_); }
 
 private:
+    void forgetWhatNoLongerHolds(const FrameRequest& request);
     uvec2 cellFor(uvec2 wanted) const;
     size_t tilesOfTurn(size_t left, uint32_t workers, uvec2 cell) const;
     std::vector<Tile> renderSlice(const Pass& pass, std::span<const Tile> tiles, PassFigures& figures, Partition* partition);
 
     Turns* turns_ = nullptr;
+    Settings measuredWith_;  // what acts on the film in the pass before
+    EffectSet measuredEffects_;
     Turns::Account account_;
     bool slices_ = false;                 // the pass in work is cut into slices
     uint64_t donePixels_ = 0;             // of the pass in work

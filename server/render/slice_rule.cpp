@@ -37,4 +37,11 @@ std::vector<Tile> cutTiles(std::span<const Tile> tiles, uvec2 size) {
     return cut;
 }
 
+std::vector<Tile> withSmallFirst(std::span<const Tile> tiles) {
+    if (tiles.empty()) return {};
+    std::vector<Tile> small = cutTiles(tiles.first(1), uvec2(Film::BLOCK));
+    small.insert(small.end(), tiles.begin() + 1, tiles.end());
+    return small;
+}
+
 }  // namespace heliograph

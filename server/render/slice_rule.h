@@ -17,6 +17,9 @@ uvec2 sliceCell(uvec2 wanted, double workerSecondsPerPixel);
 double nextEstimate(double before, double measured);
 /// Whether a slice that has lasted so long ends with the tiles in work, whatever was expected of it. `contended`: others wait.
 bool sliceOver(double seconds, bool contended);
+/// The tiles with the first one cut to the smallest size, so that a slice of a few of them shows what a pixel takes before
+/// anything longer is begun.
+std::vector<Tile> withSmallFirst(std::span<const Tile> tiles);
 /// The tiles cut into tiles of at most `size`, multiples of Film::BLOCK; each in its place.
 std::vector<Tile> cutTiles(std::span<const Tile> tiles, uvec2 size);
 

@@ -62,6 +62,20 @@ TEST(SliceRule, CutTilesCoverWhatTheyAreCutFrom) {
     for (int times : covered) EXPECT_EQ(times, 1);
 }
 
+TEST(SliceRule, TheFirstTileAloneIsCutToTheSmallest) {
+    const std::vector<Tile> tiles = {{{0, 0}, {32, 20}, 3, 1, 9}, {{32, 0}, {32, 20}, 3, 1, 9}};
+    const std::vector<Tile> small = withSmallFirst(tiles);
+    ASSERT_EQ(small.size(), 4u * 3u + 1u);
+    uint32_t pixels = 0;
+    for (size_t i = 0; i < small.size() - 1; i++) {
+        EXPECT_TRUE(small[i].size.x <= Film::BLOCK && small[i].size.y <= Film::BLOCK && small[i].generation == 9);
+        pixels += small[i].size.x * small[i].size.y;
+    }
+    EXPECT_EQ(pixels, 32u * 20u);
+    EXPECT_EQ(small.back().origin, uvec2(32, 0));
+    EXPECT_TRUE(withSmallFirst({}).empty());
+}
+
 /// Notes how many tiles each call was asked for and gave; ends where it is asked to.
 struct SlowDevice : test::FakeDevice {
     void render(const FrameRequest&, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
@@ -115,6 +129,47 @@ TEST(PassRenderer, DearPassesAreCutSmallAndGiveTheSamePicture) {
     cut->develop(a);
     whole->develop(b);
     EXPECT_EQ(a, b);
+}
+
+/// A device whose pixels take ten milliseconds with reflections and nothing without.
+struct DearReflections : test::FakeDevice {
+    void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
+        for (const Tile& tile : tiles) {
+            if (stop.stop_requested()) return;
+            const uint32_t pixels = tile.size.x * tile.size.y;
+            if (request.settings.reflections && firstDear == 0) firstDear = pixels;
+            TileResult result = test::fakeResult(tile, "fake");
+            result.seconds = (request.settings.reflections ? 1e-2 : 1e-8) * pixels;
+            sink(std::move(result));
+        }
+    }
+    uint32_t firstDear = 0;  // pixels
+};
+
+// What was cheap with the settings of before says nothing about those of now.
+TEST(PassRenderer, BesideOthersNewSettingsAreTriedOnASmallTile) {
+    Turns turns;
+    std::jthread other([&](std::stop_token stop) {  // always waits
+        Turns::Account account;
+        while (!stop.stop_requested()) turns.take(account, stop);
+    });
+    EXPECT_TRUE(test::until([&] { return turns.wakeUps() > 0; }));
+    auto device = std::make_shared<DearReflections>();
+    test::DirectRenderer renderer(device);
+    PassRenderer passes(turns);
+    PassFigures figures;
+    Film film;
+    ViewMemory view;
+    FrameRequest request;
+    request.resolution = {100, 70};
+    for (uint32_t frame = 1; frame <= 8; frame++) {
+        request.generation = frame;
+        request.settings.reflections = frame > 6;
+        film.reset(request.resolution, frame);
+        EXPECT_TRUE(passes.render({renderer, request, film, view}, figures));
+        EXPECT_EQ(film.completedSamples(), 1u);
+    }
+    EXPECT_EQ(device->firstDear, Film::BLOCK * Film::BLOCK);
 }
 
 /// Draws all of the picture for any tile of it.
