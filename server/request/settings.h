@@ -15,7 +15,7 @@ namespace heliograph {
 enum class Acts {
     film,     // the samples: another value asks for another film
     display,  // the picture that is made of the film
-    loop,     // how many samples the film shall have
+    loop,     // how many samples and pixels the film shall have by when
     command,  // the view of commands; a viewer has messages of its own for it
 };
 

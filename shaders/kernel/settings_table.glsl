@@ -5,7 +5,7 @@
 // SETTING_CHOICE(name, group, acts, default, "a|b|c", label, effect, price, help)        stored as the index of the choice
 // DEVICE_WORDS: auto, the words of request/device_table.inc, hybrid.
 // group: where it stands in the form: picture, effects, renderer or hybrid. acts: what it changes (request/settings.h):
-// film, the samples; display, the picture made of them; loop, how many samples there shall be; command, nothing in a viewer's view.
+// film, the samples; display, the picture made of them; loop, how many samples and pixels there shall be by when; command, nothing in a viewer's view.
 // effect: the effect_table row it belongs to, or "". price: which direction is exact and dearer: "up", "down", "on", "off" or "".
 // The K rows (SETTING_K_*) are also fields of the kernel's settings block.
 // The including file defines what it needs: a K row falls back on its plain form, and that one on SETTING(name, group, acts).
@@ -37,6 +37,8 @@ SETTING_BOOL(showPartition, hybrid, film, false, "Show partition", "", "", "Tint
 SETTING_BOOL(enableEmbree, hybrid, film, true, "Embree takes part", "", "", "Whether the CPU works along in hybrid.")
 SETTING_BOOL(enableVulkan, hybrid, film, true, "Vulkan takes part", "", "", "Whether Vulkan devices work along in hybrid.")
 SETTING_FLOAT(renderScale, picture, film, 1.0f, 0.125f, 1.0f, "x", "Render scale", "", "up", "Rendered resolution as a share of the window. Lower is faster and softer.")
+SETTING_BOOL(automaticScale, picture, loop, true, "Scale while moving", "", "off", "While the camera moves, fewer pixels are rendered where it takes that to reach the frame rate; at rest it is the render scale again. Off keeps the render scale always.")
+SETTING_INT(frameRate, picture, loop, 20, 1, 60, "/s", "Frame rate", "", "", "Pictures a second that the automatic scale aims at while the camera moves.")
 SETTING_INT(samples, picture, loop, 64, 1, 65536, "per pixel", "Samples at rest", "", "up", "How many samples a pixel collects while the camera rests. More samples, smoother edges.")
 SETTING_BOOL(shadows, effects, film, true, "Shadows", "shadows", "on", "Shadows from every light. Costs one ray per light and visible point.")
 SETTING_BOOL(softShadows, effects, film, true, "Soft shadows", "softShadows", "on", "Lights that have an extent throw soft shadows; off takes them as points.")
@@ -64,6 +66,8 @@ SETTING_BOOL(environment, effects, film, true, "Environment image", "environment
 SETTING_K_FLOAT(contributionThreshold, renderer, film, 0.004f, 0.0f, 0.5f, "", "Contribution threshold", "", "down", "Rays that can change a pixel by less than this are not followed. 0 follows all.")
 SETTING_FLOAT(exposure, picture, display, 0.0f, -10.0f, 10.0f, "EV", "Exposure", "", "", "Brightness of the picture in stops; +1 doubles it.")
 SETTING_CHOICE(toneCurve, picture, display, 0, "filmic|linear", "Tone curve", "", "", "filmic rolls highlights off softly; linear clips at white.")
+SETTING_BOOL(adaptiveQuality, picture, display, true, "Adaptive quality", "", "off", "Where pictures queue up on the line, JPEG quality and size go down, and up again when it is free. Off sends every picture as set.")
+SETTING_BOOL(exactAtRest, picture, display, true, "Exact at rest", "", "on", "When all samples are there, the picture is sent once more without loss: the same bytes as on the server.")
 SETTING_BOOL(cameraPath, picture, command, false, "Camera path", "", "", "Fly along the scene's camera path.")
 SETTING_FLOAT(fieldOfView, picture, command, 60.0f, 1.0f, 179.0f, "deg", "Field of view", "", "", "Vertical opening angle of the camera.")
 SETTING_CHOICE(rasterView, renderer, film, 0, "shaded|normals|depth|material|primitive", "Raster view", "", "", "What the raster preview shows: the lit surface without shadows, or normals, depth, materials and triangles for looking into meshes.")
