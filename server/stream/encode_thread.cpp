@@ -1,5 +1,6 @@
 #include "server/stream/encode_thread.h"
 
+#include "server/base/background.h"
 #include "server/base/log.h"
 
 namespace heliograph {
@@ -22,7 +23,10 @@ void EncodeThread::run() {
         std::optional<EncodedFrame> encoded;
         std::string failure;
         try {
-            encoded = maker_.make(job->first, job->second);
+            auto make = [&] { encoded = maker_.make(job->first, job->second); };
+            // A saved picture of many pixels takes seconds, and its viewer has no frames meanwhile; the others have.
+            if (job->first.picture) inBackground(make);
+            else make();
         } catch (const std::exception& e) {
             failure = e.what();
         }
