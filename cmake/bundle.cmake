@@ -1,7 +1,8 @@
 # A relocatable folder: `cmake --install BUILD --strip --prefix FOLDER --component NAME`. NAME is `server` (the whole program
 # but for Radiance HDR and OpenEXR pictures), `images` (the picture module that reads and writes those, with its 240 libraries:
-# installed over the server's folder) or `bench` (the GPU benchmark alone). Each holds every library but glibc's; a machine
-# needs Linux with glibc 2.36 or newer and, for GPUs, the vendor's Vulkan driver. cpack packs each component.
+# installed over the server's folder), `load` (the load test) or `bench` (the GPU benchmark alone). Each holds every library
+# but glibc's; a machine needs Linux with glibc 2.36 or newer and, for GPUs, the vendor's Vulkan driver. cmake/packages.cmake
+# packs the first three.
 set(HELIOGRAPH_SYSTEM_LIBRARIES "/(ld-linux.*|lib(c|m|dl|rt|pthread|resolv|util|mvec))\\\\.so[.0-9]*$")
 function(heliograph_bundle component target)
   # The old kind of run path also serves the libraries that libraries need.
@@ -19,6 +20,7 @@ function(heliograph_bundle component target)
 endfunction()
 
 heliograph_bundle(server heliograph)
+heliograph_bundle(load heliograph-load)
 # The module and what it needs beyond the server's libraries, in a folder of its own.
 set_target_properties(heliograph-images PROPERTIES INSTALL_RPATH "$ORIGIN:$ORIGIN/..")
 target_link_options(heliograph-images PRIVATE -Wl,--disable-new-dtags)
@@ -45,8 +47,3 @@ if(TARGET heliograph-bench)
       COMPONENT bench OPTIONAL)
   endif()
 endif()
-set(CPACK_ARCHIVE_COMPONENT_INSTALL ON)
-set(CPACK_GENERATOR TXZ)
-set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL server images bench)
-include(CPack)
