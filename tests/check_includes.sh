@@ -31,8 +31,9 @@ net/guard            base
 net                  base kernel scene request net/guard
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
-loop                 base kernel scene request film device schedule render
-stream               base kernel scene scene/load request film device schedule render loop encode net net/guard
+pace                 base
+loop                 base kernel scene request film device schedule render pace
+stream               base kernel scene scene/load request film device schedule render pace loop encode net net/guard
 operations           base kernel scene request film net net/guard stream
 service              base kernel scene scene/load request film device schedule render loop encode net net/guard stream operations
 app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard pool lab stream operations service

@@ -35,9 +35,10 @@ void FrameLoop::tell(Change change) {
 void FrameLoop::show(const ViewRequest& request) {
     tell([&] {
         newest_ = request;
+        pace_.asked(request);
         retry_ = true;
-        const bool giveUp =
-            pass_.running && pass_.cancellable && cancelsPass(pass_.view, pass_.firstSample, cancelledBefore_, request);
+        const bool giveUp = pass_.running && pass_.cancellable &&
+                            cancelsPass(pass_.view, pass_.firstSample, cancelledBefore_, pace_.paced(request));
         if (giveUp) pass_.stop.request_stop();
     });
 }
@@ -45,6 +46,8 @@ void FrameLoop::show(const ViewRequest& request) {
 void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene, const std::optional<ViewRequest>& request) {
     tell([&] {
         if (request) newest_ = request;
+        pace_.forget();
+        if (request) pace_.asked(*request);
         newScene_ = std::move(scene);
         sceneChanged_ = true;
         retry_ = true;
@@ -129,7 +132,7 @@ uint64_t FrameLoop::takeNews() {
         pictureWanted_.reset();
         passes_.forget();
     }
-    if (newest_) request_ = newest_;
+    takeRequest();
     if (std::exchange(again_, false)) film_.offerAgain();
     if (retry_) broken_ = false;
     retry_ = false;
@@ -148,6 +151,11 @@ uint64_t FrameLoop::takeNews() {
     return seen;
 }
 
+/// With the lock held. A run along the path is a measurement: its frames have the size that was asked for.
+void FrameLoop::takeRequest() {
+    if (newest_) request_ = run_ ? *newest_ : pace_.paced(*newest_);
+}
+
 bool FrameLoop::step() {
     if (std::optional<FocusRequest> asked = std::exchange(focus_, std::nullopt); asked && resident_) {
         const DepthAnswer answer = [&] {
@@ -163,7 +171,7 @@ bool FrameLoop::step() {
             film_.show(*resident_, *request_);
             renderFilm();
             break;
-        case LoopAction::deliverFilm: receiver_.take(film_.frame(*resident_->scene, run_.has_value())); break;
+        case LoopAction::deliverFilm: deliverFilm(); break;
         case LoopAction::renderFilm: renderFilm(); break;
         case LoopAction::renderPicture: renderPicture(); break;
         case LoopAction::deliverPicture: deliverPicture(); break;
@@ -211,6 +219,14 @@ void FrameLoop::startPicture(const PictureOrder& order) {
     }
 }
 
+void FrameLoop::deliverFilm() {
+    {
+        std::lock_guard lock(mutex_);
+        pace_.delivered(*film_.view());
+    }
+    receiver_.take(film_.frame(*resident_->scene, run_.has_value()));
+}
+
 void FrameLoop::renderFilm() {
     pictureTurn_ = true;
     const uint32_t first = film_.samples();
@@ -219,11 +235,16 @@ void FrameLoop::renderFilm() {
         auto span = stages_.enter("prepare");
         resident_->renderer->prepare(film_.view()->settings);  // others go on rendering meanwhile
     }
+    const Clock::time_point asked = Clock::now();
     std::optional<Turns::Turn> turn = passes_.take(cancelled, film_.urgency());
     if (!turn) return endPass(false);
     if (first == 0) useLatestRequest();
     const bool completed = film_.renderPass(passes_, *resident_->renderer, cancelled, std::move(turn));
     endPass(completed);
+    if (completed) {
+        std::lock_guard lock(mutex_);
+        pace_.passed(*film_.view(), secondsBetween(asked, Clock::now()));
+    }
     if (completed && run_ && first == 0) run_->path.frameDone(secondsBetween(run_->begin, Clock::now()));
 }
 
@@ -231,7 +252,7 @@ void FrameLoop::renderFilm() {
 void FrameLoop::useLatestRequest() {
     {
         std::lock_guard lock(mutex_);
-        request_ = newest_;
+        takeRequest();
     }
     followPath();
     film_.show(*resident_, *request_);
@@ -255,7 +276,7 @@ std::stop_token FrameLoop::beginPass(const ViewRequest& view, uint32_t firstSamp
     std::lock_guard lock(mutex_);
     pass_ = {true, cancellable, view, firstSample, std::stop_source()};
     bool giveUp = stopped_ || sceneChanged_ || (cancellable && focusAsked_ && firstSample > 0) ||
-                  (cancellable && newest_ && !run_ && cancelsPass(view, firstSample, cancelledBefore_, *newest_));
+                  (cancellable && newest_ && !run_ && cancelsPass(view, firstSample, cancelledBefore_, pace_.paced(*newest_)));
     if (giveUp) pass_.stop.request_stop();
     return pass_.stop.get_token();
 }

@@ -6,6 +6,7 @@
 #include "server/base/stage_clock.h"
 #include "server/loop/path_run.h"
 #include "server/loop/picture_job.h"
+#include "server/loop/view_pace.h"
 
 #include <condition_variable>
 #include <optional>
@@ -67,6 +68,8 @@ private:
     void startPicture(const PictureOrder& order);
     void renderFilm();
     void useLatestRequest();
+    void takeRequest();
+    void deliverFilm();
     void renderPicture();
     void deliverPicture();
     std::stop_token beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable);
@@ -83,6 +86,7 @@ private:
     std::condition_variable_any changed_;
     uint64_t news_ = 0;  // grows with every call from outside
     std::optional<ViewRequest> newest_;
+    ViewPace pace_;
     std::shared_ptr<ResidentScene> newScene_;
     bool sceneChanged_ = false;
     std::optional<bool> playing_;
@@ -96,7 +100,8 @@ private:
 
     // The loop's own.
     std::shared_ptr<ResidentScene> resident_;
-    std::optional<ViewRequest> request_;  // newest_ as taken, with the path's camera while a run plays
+    std::optional<ViewRequest>
+        request_;  // newest_ as taken: at the scale of the moment, or with the camera of the run that plays
     ViewFilm film_;
     std::optional<Run> run_;
     std::optional<PictureOrder> pictureWanted_;

@@ -48,9 +48,10 @@ size_t PassRenderer::tilesOfTurn(size_t left, uint32_t workers, uvec2 cell) cons
     return std::min(left, tilesPerTurn(secondsPerPixel_ * cell.x * cell.y, workers, turns_->shared(account_)));
 }
 
-/// With other settings a pixel may take a thousand times what it took.
+/// With other settings a pixel may take a thousand times what it took; but not where there are more or fewer of it.
 void PassRenderer::forgetWhatNoLongerHolds(const FrameRequest& request) {
-    const Settings acting = onlyActing(request.settings, Acts::film);
+    Settings acting = onlyActing(request.settings, Acts::film);
+    acting.renderScale = Settings{}.renderScale;
     if (acting == measuredWith_ && request.effects.bits == measuredEffects_.bits) return;
     measuredWith_ = acting;
     measuredEffects_ = request.effects;

@@ -21,7 +21,7 @@ export interface Diagnostics {
   readonly lastInputId: number;
   readonly framesPresented: number;
   readonly framesDropped: number;
-  readonly motionToPhotonMs: { readonly median: number | null; readonly p95: number | null };
+  readonly motionToPhotonMs: { readonly median: number | null; readonly p95: number | null; readonly last: number | null };
   readonly settings: Readonly<Record<string, unknown>>; // as the server last said
   readonly camera: unknown;
   readonly pathPlaying: boolean;
@@ -62,7 +62,11 @@ export function exposeDiagnostics(viewer: Viewer): void {
       lastInputId: state.lastInputId,
       framesPresented: state.framesPresented,
       framesDropped: state.framesDropped,
-      motionToPhotonMs: { median: motionToPhoton.window.quantile(0.5), p95: motionToPhoton.window.quantile(0.95) },
+      motionToPhotonMs: {
+        median: motionToPhoton.window.quantile(0.5),
+        p95: motionToPhoton.window.quantile(0.95),
+        last: motionToPhoton.window.values.at(-1) ?? null,
+      },
       settings: Object.fromEntries(settings.rows.map((row) => [row.name, settings.confirmed(row.name)])),
       camera: structuredClone(controller.camera),
       pathPlaying: state.pathPlaying,

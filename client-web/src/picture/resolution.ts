@@ -24,6 +24,12 @@ export function sizeText(wanted: PictureSize, given: PictureSize | null): string
   return `given ${words}: the server's memory for pictures is short`;
 }
 
+/** The size of a picture, and of the full one where it is smaller. */
+export function frameSizeText(frame: PictureSize & { readonly fullWidth: number; readonly fullHeight: number }): string {
+  const size = `${frame.width} × ${frame.height}`;
+  return frame.width < frame.fullWidth ? `${size} of ${frame.fullWidth} × ${frame.fullHeight} px` : `${size} px`;
+}
+
 /**
  * Pixels to ask for, for a window of `width` x `height` CSS pixels. The aspect ratio is kept when the pixel count is
  * limited; both sides stay within what the protocol allows.

@@ -33,6 +33,7 @@ public:
             if (stop.stop_requested()) break;
             lock.unlock();
             if (broken) throw std::runtime_error("device lost");
+            if (slow) std::this_thread::sleep_for(20us * tile.size.x * tile.size.y);
             TileResult result;
             result.tile = tile;
             result.device = "embree";
@@ -70,7 +71,7 @@ public:
     }
 
     std::atomic<int> inside{0}, calls{0};
-    std::atomic<bool> overlapped{false}, broken{false};
+    std::atomic<bool> overlapped{false}, broken{false}, slow{false};
     std::mutex mutex;
     std::condition_variable_any changed;
     bool held = false, depthHeld = false;
@@ -320,6 +321,32 @@ TEST(FrameLoop, FliesAlongThePathAndReportsIt) {
     for (const FinishedFrame& frame : s.viewer.frames) onPath += frame.path;
     EXPECT_GT(onPath, 0u);
     EXPECT_EQ(s.viewer.colors.back(), vec4(1, 0, 0, 4));  // back at the viewer's own camera
+}
+
+TEST(FrameLoop, WhereFullPicturesAreTooSlowTheyAreSmallWhileTheCameraMovesAndFullAtRest) {
+    Stage s;
+    s.device->slow = true;  // 120 ms for a full pass, where the frame rate leaves 30
+    s.loop.setScene(sceneOn(s.device), inputFrom(1));
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    for (uint32_t id = 2; id <= 12; id++) {
+        ViewRequest moving = inputFrom(id, 2);
+        moving.moving = true;
+        s.loop.show(moving);
+        ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == id; }));
+    }
+    s.loop.show(inputFrom(13, 2));
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 13 && s.viewer.frames.back().final; }));
+    std::lock_guard lock(s.viewer.mutex);
+    std::vector<uvec2> end;  // sizes of the pictures of the last input
+    for (const FinishedFrame& frame : s.viewer.frames) {
+        if (frame.view.moving) EXPECT_LT(frame.size.x, 96u) << frame.view.inputId;
+        EXPECT_EQ(frame.view.resolution, uvec2(96, 64));
+        if (frame.view.inputId == 13) end.push_back(frame.size);
+    }
+    ASSERT_GE(end.size(), 2u);
+    EXPECT_LT(end.front().x, 96u) << "answered at once";
+    EXPECT_EQ(end.back(), uvec2(96, 64)) << "then in full";
+    EXPECT_EQ(s.viewer.colors.back(), vec4(13, 0, 0, 2));
 }
 
 TEST(FrameLoop, AFilmAtHalfScaleGivesAPictureAtFullScale) {

@@ -7,6 +7,7 @@ import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from '../../page/dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from '../../page/format.js';
 import { Window } from '../../picture/latency.js';
+import { frameSizeText } from '../../picture/resolution.js';
 import type { Panel } from '../panel.js';
 import type { Frame } from '../../wire/frame.js';
 import type { Stats } from '../../wire/protocol.js';
@@ -207,7 +208,7 @@ export class StatsPanel {
   private refreshFacts(): void {
     const { stats, lastFrame } = this.viewer_.state;
     const rate = this.viewer_.stream.receivedRate.amount(performance.now());
-    this.fact('Picture', lastFrame === null ? UNKNOWN : `${lastFrame.width} × ${lastFrame.height} px`);
+    this.fact('Picture', lastFrame === null ? UNKNOWN : frameSizeText(lastFrame));
     this.fact('Data rate', `${((rate * 8) / 1e6).toFixed(1)} Mbit/s`);
     this.fact('Beside tracing', stats === null ? UNKNOWN : `${percent(stats.overheadShare)} of a frame`);
     this.fact('Viewers', stats === null ? UNKNOWN : viewersText(stats));

@@ -1,0 +1,107 @@
+// A line of given delay, rate and stalls between a viewer and a server on this machine: a relay of TCP connections.
+import { connect, createServer } from 'node:net';
+
+/** What lines are like: `delayMs` each way, `bytesPerSecond` to the viewer, a stall of `stallMs` about every `stallEveryMs`. */
+export const LINES = {
+  free: { delayMs: 0 },
+  '300 ms': { delayMs: 150 },
+  '2 Mbit/s 50 ms': { delayMs: 25, bytesPerSecond: 250e3 },
+  lossy: { delayMs: 25, stallEveryMs: 1000, stallMs: 250 },
+};
+
+const QUEUE_BYTES = 128 * 1024; // that wait at the line's entrance: a router's buffer
+const SEGMENT_BYTES = 1448;
+
+/** Times between stalls vary evenly from half to one and a half of the mean, the same in every run. */
+function* stallTimes(everyMs) {
+  let seed = 1;
+  for (let at = 0; ; ) {
+    seed = (seed * 48271) % 2147483647;
+    at += everyMs * (0.5 + seed / 2147483647);
+    yield at;
+  }
+}
+
+/** One direction: bytes come out in order, not before their time. */
+class Direction {
+  constructor(from, to, { delayMs, bytesPerSecond = Infinity, stallEveryMs = 0, stallMs = 0 }, counted) {
+    this.line = { delayMs, bytesPerSecond, stallMs };
+    this.to = to;
+    this.from = from;
+    this.counted = counted;
+    this.free = 0; // when the line has sent what was put into it
+    this.last = 0; // when the newest byte arrives
+    this.waiting = []; // [time, bytes]
+    this.queued = 0;
+    this.timer = null;
+    this.begin = performance.now();
+    this.stalls = stallEveryMs > 0 ? stallTimes(stallEveryMs) : null;
+    this.nextStall = this.stalls?.next().value ?? Infinity;
+    from.on('data', (data) => this.take(data));
+    from.on('end', () => this.put(null));
+  }
+
+  take(data) {
+    this.queued += data.length;
+    this.counted(data.length);
+    for (let at = 0; at < data.length; at += SEGMENT_BYTES) this.put(data.subarray(at, at + SEGMENT_BYTES));
+    if (this.queued > QUEUE_BYTES) this.from.pause();
+  }
+
+  put(bytes) {
+    const now = performance.now();
+    this.free = Math.max(this.free, now) + ((bytes?.length ?? 0) / this.line.bytesPerSecond) * 1000;
+    let arrival = this.free + this.line.delayMs;
+    while (arrival - this.begin > this.nextStall) {
+      arrival = Math.max(arrival, this.begin + this.nextStall + this.line.stallMs);
+      this.nextStall = this.stalls.next().value;
+    }
+    this.last = Math.max(this.last, arrival); // what comes behind a stall waits for it
+    this.waiting.push([this.last, bytes]);
+    if (this.timer === null) this.schedule();
+  }
+
+  schedule() {
+    const wait = this.waiting[0][0] - performance.now();
+    if (wait <= 0.5) return this.deliver();
+    this.timer = setTimeout(() => this.deliver(), wait);
+  }
+
+  deliver() {
+    this.timer = null;
+    const now = performance.now() + 0.5;
+    while (this.waiting.length > 0 && this.waiting[0][0] <= now) {
+      const [, bytes] = this.waiting.shift();
+      if (bytes === null) this.to.end();
+      else if (!this.to.destroyed) this.to.write(bytes);
+      this.queued -= bytes?.length ?? 0;
+    }
+    if (this.queued <= QUEUE_BYTES) this.from.resume();
+    if (this.waiting.length > 0) this.schedule();
+  }
+}
+
+/** A relay to `port` on this machine. `received` counts the bytes to viewers. */
+export class Line {
+  received = 0;
+
+  static async open(port, line) {
+    const relay = new Line();
+    relay.server = createServer({ noDelay: true }, (viewer) => {
+      const server = connect({ port, host: '127.0.0.1', noDelay: true });
+      new Direction(server, viewer, line, (bytes) => (relay.received += bytes));
+      new Direction(viewer, server, { delayMs: line.delayMs }, () => undefined);
+      for (const [one, other] of [[viewer, server], [server, viewer]]) {
+        one.on('error', () => other.destroy());
+        one.on('close', () => setTimeout(() => other.destroy(), line.delayMs + 100));
+      }
+    });
+    await new Promise((ready) => relay.server.listen(0, '127.0.0.1', ready));
+    relay.port = relay.server.address().port;
+    return relay;
+  }
+
+  close() {
+    this.server.close();
+  }
+}
