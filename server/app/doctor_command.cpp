@@ -6,6 +6,7 @@
 #include "server/app/serve_command.h"
 #include "server/images/image_module.h"
 #include "server/operations/doctor.h"
+#include "server/operations/socket_activation.h"
 #include "server/operations/socket_options.h"
 #include "server/scene/load/scene_source.h"
 
@@ -60,11 +61,13 @@ std::vector<Finding> examine(const ServeCommandLine& line, const CLI::App& comma
         return folder + ", " + std::to_string(readClientFiles(folder).size()) + " files";
     }));
     findings.push_back(judgeAttempt("access", [&] {
-        const SocketOptions socket = socketOptions(options);
+        const SocketOptions socket = socketOptions(options, handedOverSockets());
         return std::string(socket.token.empty() ? "no token is asked for" : "with a token") +
                (socket.certificateFile.empty() ? ", http" : ", https");
     }));
-    findings.push_back(judgeAddress(options.listen));
+    for (const ListenAddress& address : handedOverSockets())
+        findings.push_back({"socket", Finding::Kind::good, textOf(address), "the service manager's: " + address.name});
+    for (const std::string& address : options.listen) findings.push_back(judgeAddress(address));
     return findings;
 }
 

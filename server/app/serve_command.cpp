@@ -12,6 +12,7 @@
 #include "server/operations/memory.h"
 #include "server/operations/notify.h"
 #include "server/operations/signals.h"
+#include "server/operations/socket_activation.h"
 #include "server/operations/socket_options.h"
 
 #include <algorithm>
@@ -53,7 +54,7 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     std::string device = Settings::choiceWord("device", service.defaults.device);
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())
         throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");
-    service.socket = socketOptions(options);
+    service.socket = socketOptions(options, handedOverSockets());
     service.socket.files = readClientFiles(clientFolder(options.client));
     service.leastRate = static_cast<double>(options.leastRate);
     service.caps = {static_cast<uint32_t>(options.mostSamples), static_cast<uint32_t>(options.mostRays),
@@ -81,7 +82,8 @@ void addFlag(CLI::App& command, const OptionRow& row, std::vector<std::string>& 
     CLI::Option* option = command.add_option(name, values, std::string(row.help))->expected(1);
     if (row.isList()) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     if (row.name != "scene") option->type_name(std::string(row.type));
-    if (!row.isList() && tomlValue(row, {}) != "\"\"") option->default_str(tomlValue(row, {}));
+    const std::string usual = tomlValue(row, {});
+    if (usual != "\"\"" && usual != "[]") option->default_str(usual);
 }
 
 /// The serving process between the service and those who started it: the main thread's work.
@@ -139,7 +141,7 @@ private:
         manager_.reloading();
         try {
             const ServeOptions next = configure_().options;
-            ServiceReload reload{socketOptions(next), {}, std::chrono::seconds(next.watchdogSeconds)};
+            ServiceReload reload{socketOptions(next, handedOverSockets()), {}, std::chrono::seconds(next.watchdogSeconds)};
             for (const std::string& setting : next.settings) reload.defaults.setFromText(setting);
             service_.reload(reload);
             setLogJson(next.logJson);
@@ -193,6 +195,8 @@ int serve(const ServeCommandLine& line, const CLI::App& command) {
     Steward steward(service, signals, [&] { return serveConfiguration(line, command); });
     service.start([&](std::exception_ptr why) { steward.opened(why); });
     log().info("listening on {}, opening {}", service.url(), name);
+    for (const ListenAddress& address : handedOverSockets())
+        log().info("{} is the service manager's socket {}", textOf(address), address.name);
     try {
         steward.serve(name);
     } catch (...) {
@@ -214,7 +218,9 @@ Configuration serveConfiguration(const ServeCommandLine& line, const CLI::App& c
         const std::string source = name == "scene" ? "SCENE" : "--" + name;
         if (!texts.empty()) inputs.flags.push_back({name, GivenValue::Kind::word, texts, source});
     }
-    return configure(inputs);
+    Configuration configuration = configure(inputs);
+    if (!handedOverSockets().empty() && !configuration.sources.contains("listen")) configuration.options.listen.clear();
+    return configuration;
 }
 
 void addServeFlags(CLI::App& command, ServeCommandLine& line) {

@@ -1,11 +1,8 @@
 #include "server/net/descriptors.h"
 
-#include <sys/eventfd.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 
 namespace heliograph {
 
@@ -18,12 +15,6 @@ size_t raiseDescriptorLimit(size_t wanted) {
         if (setrlimit(RLIMIT_NOFILE, &raised) == 0) limit = raised;
     }
     return static_cast<size_t>(std::min<rlim_t>(limit.rlim_cur, 1u << 20));
-}
-
-bool outOfDescriptors() {
-    const int tried = eventfd(0, EFD_CLOEXEC);
-    if (tried >= 0) ::close(tried);
-    return tried < 0 && (errno == EMFILE || errno == ENFILE || errno == ENOMEM);
 }
 
 }  // namespace heliograph

@@ -8,7 +8,4 @@ namespace heliograph {
 /// Raises the soft limit to `wanted`, as far as the hard one lets it. Returns what is allowed now.
 size_t raiseDescriptorLimit(size_t wanted);
 
-/// None is left for another connection.
-bool outOfDescriptors();
-
 }  // namespace heliograph

@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/net/guard/origin.h"
 #include "server/net/guard/request_size.h"
 #include "server/net/guard/tcp_counts.h"
 #include "server/net/socket_loop.h"
@@ -165,6 +166,7 @@ int SocketLoop::writeAnswer(lws* wsi) {
     content.offset += count;
     const bool last = content.offset == content.bytes.size();
     int written = lws_write(wsi, buffer + LWS_PRE, count, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP);
+    countWritten(wsi, count);
     if (written < static_cast<int>(count)) return -1;
     if (!last) {
         lws_callback_on_writable(wsi);
@@ -193,10 +195,16 @@ std::string SocketLoop::addressOf(lws* wsi) const {
     return link == links_.end() ? "" : link->second.address;
 }
 
+/// That wrong tokens are counted by.
+std::string SocketLoop::guardedAddress(lws* wsi) const {
+    const auto link = links_.find(wsi);
+    return link == links_.end() || link->second.overUnix() ? "" : link->second.address;
+}
+
 SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi, std::initializer_list<std::string_view> secrets) {
     constexpr std::string_view scheme = "Bearer ";
     if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_AUTHORIZATION) <= 0) return Bearer::none;
-    const std::string address = addressOf(wsi);
+    const std::string address = guardedAddress(wsi);
     const double now = wallSeconds();
     // As long as it lasts the right token does not pass either, else guessing would go on.
     if (guard_.lockedFor(address, now) > 0.0) return Bearer::locked;
@@ -211,18 +219,24 @@ SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi, std::initializer_list<std::str
         return Bearer::right;
     }
     guard_.wrong(address, now);
-    if (wrongNotes_.take(1.0, now)) log().warn("wrong token from {}", address);
+    if (wrongNotes_.take(1.0, now)) log().warn("wrong token from {}", addressOf(wsi));
     return Bearer::wrong;
 }
 
 int SocketLoop::refuseBearer(lws* wsi, Bearer bearer) {
     if (bearer != Bearer::locked) return refuse(wsi, 401, "Authorization: Bearer with the token is needed");
-    return refuse(wsi, 429, "too many wrong tokens from this address", guard_.lockedFor(addressOf(wsi), wallSeconds()));
+    return refuse(wsi, 429, "too many wrong tokens from this address", guard_.lockedFor(guardedAddress(wsi), wallSeconds()));
 }
 
 bool SocketLoop::namesUs(lws* wsi) const {
-    const bool loopbackOnly = isLoopback(options_.listen.host) && options_.token.empty();
-    return hostAllowed(headerOf(wsi, WSI_TOKEN_HOST), options_.allowedOrigins, loopbackOnly, !options_.token.empty(), machine_);
+    return hostAllowed(headerOf(wsi, WSI_TOKEN_HOST), options_.allowedOrigins, loopbackOnly(wsi), !options_.token.empty(),
+                       machine_);
+}
+
+/// Names of other machines are none of ours: the request came in where this machine alone does, and no token is asked for.
+bool SocketLoop::loopbackOnly(lws* wsi) const {
+    const auto link = links_.find(wsi);
+    return options_.token.empty() && (link == links_.end() || link->second.ofThisMachine);
 }
 
 /// Answers at once with what stands against it; the connection ends then.

@@ -6,16 +6,13 @@
 #include "server/net/guard/tcp_counts.h"
 #include "server/net/socket_loop.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 
 namespace heliograph {
 
 namespace {
-
-std::string peerOf(int descriptor) {
-    char text[64] = "";
-    return lws_get_peer_simple_fd(descriptor, text, sizeof text) ? text : "";
-}
 
 double secondsOf(std::chrono::steady_clock::time_point time) {
     return std::chrono::duration<double>(time.time_since_epoch()).count();
@@ -34,13 +31,12 @@ void SocketLoop::checkDescriptors() {
     log().warn("{} descriptors are allowed (ulimit -n), {} wanted: room for {} connections", limit, connections + more, room_);
 }
 
-/// Without descriptors the listening socket stays readable and every turn of the loop would try in vain: then it is not looked
-/// at for a while.
+/// Without descriptors listening sockets stay readable and every turn of the loop would try in vain: then none is looked at
+/// for a while.
 void SocketLoop::pauseListening() {
     constexpr auto PAUSE = std::chrono::seconds(1);
-    quietTurns_ = 0;
-    if (!listener_ || listensAgain_ || !outOfDescriptors()) return;
-    lws_rx_flow_control(listener_, 0);
+    if (listensAgain_) return;
+    for (const Door& door : doors_) lws_rx_flow_control(door.wsi, 0);
     listensAgain_ = Clock::now() + PAUSE;
     if (std::exchange(pauseSaid_, true)) return;
     log().error("no connection can be accepted for now: no descriptors are left; {} connections are open (ulimit -n)",
@@ -50,18 +46,49 @@ void SocketLoop::pauseListening() {
 void SocketLoop::listenAgain() {
     if (!listensAgain_ || Clock::now() < *listensAgain_) return;
     listensAgain_.reset();
-    lws_rx_flow_control(listener_, 1);
+    for (const Door& door : doors_) lws_rx_flow_control(door.wsi, 1);
+}
+
+/// Somebody waits at the door of `wsi`.
+void SocketLoop::takeConnections(lws* wsi) {
+    constexpr int AT_ONCE = 16;  // then others have their turn
+    const auto door = std::ranges::find(doors_, wsi, &Door::wsi);
+    for (int i = 0; door != doors_.end() && i < AT_ONCE; i++) {
+        const Accepted accepted = door->listener.accept();
+        if (accepted.outOfMeans()) return pauseListening();
+        if (accepted.descriptor < 0) return;
+        take(*door, accepted);
+    }
+}
+
+void SocketLoop::take(const Door& door, const Accepted& accepted) {
+    if (!connects(accepted)) {
+        ::close(accepted.descriptor);
+        return;
+    }
+    door_ = &door;
+    accepted_ = &accepted;
+    lws_sock_file_fd_type socket{};
+    socket.sockfd = accepted.descriptor;
+    // What goes over a unix socket does not leave the machine: TLS is for the others.
+    const int tls = accepted.overUnix() ? 0 : LWS_ADOPT_ALLOW_SSL;
+    // Closes the socket where it fails.
+    lws_adopt_descriptor_vhost(host_, static_cast<lws_adoption_type>(LWS_ADOPT_SOCKET | LWS_ADOPT_HTTP | tls), socket, nullptr,
+                               nullptr);
+    door_ = nullptr;
+    accepted_ = nullptr;
 }
 
 /// Someone wants to connect: false turns it away. Where there is no room, an idle connection gives way.
-bool SocketLoop::connects(int descriptor) {
-    const std::string address = peerOf(descriptor);
+bool SocketLoop::connects(const Accepted& accepted) {
+    const std::string& address = accepted.address;
     const auto stays = [](const auto& link) { return !link.second.leaving; };
     const auto ofAddress = [&](const auto& link) { return stays(link) && link.second.address == address; };
     const auto all = static_cast<size_t>(std::ranges::count_if(links_, stays));
     const auto ours = static_cast<size_t>(std::ranges::count_if(links_, ofAddress));
     const size_t most = std::min(options_.maxViewers + options_.spareConnections, room_);
-    const bool manyOfAddress = ours >= options_.maxViewers + options_.spareConnectionsPerAddress;
+    // Who comes over a unix socket comes from a proxy for many, or may do all here anyway.
+    const bool manyOfAddress = !accepted.overUnix() && ours >= options_.maxViewers + options_.spareConnectionsPerAddress;
     reserveNext_ = false;
     if (!manyOfAddress && all < most) return true;
     if (auto victim = whoGivesWay(waiting(false), manyOfAddress ? address : "")) {
@@ -81,7 +108,21 @@ bool SocketLoop::connects(int descriptor) {
 void SocketLoop::connected(lws* wsi) {
     pauseSaid_ = false;
     const auto now = Clock::now();
-    links_.insert_or_assign(wsi, Link{peerOf(lws_get_socket_fd(wsi)), now, WriteWatch(now), reserveNext_, false});
+    Link link{accepted_->address, ofThisMachine(door_->listener.address()), now, WriteWatch(now)};
+    link.reserved = reserveNext_;
+    links_.insert_or_assign(wsi, std::move(link));
+}
+
+void SocketLoop::countWritten(lws* wsi, size_t bytes) {
+    if (const auto link = links_.find(wsi); link != links_.end()) link->second.written += bytes;
+}
+
+/// Grows with what the other side takes.
+uint64_t SocketLoop::takenBytes(lws* wsi) {
+    const int descriptor = lws_get_socket_fd(wsi);
+    const auto link = links_.find(wsi);
+    if (link == links_.end() || !link->second.overUnix()) return acknowledgedBytes(descriptor);
+    return link->second.progress.taken(link->second.written, heldBytes(descriptor));
 }
 
 /// Connections that no viewer looks through: those on HTTP, or the guests.
@@ -92,7 +133,8 @@ std::vector<Waiting> SocketLoop::waiting(bool guests) const {
         const auto viewer = viewers_.find(wsi);
         const bool isGuest = viewer != viewers_.end() && viewer->second.guest && !viewer->second.connection->closeAsked();
         if (guests ? !isGuest : viewer != viewers_.end()) continue;
-        all.push_back({reinterpret_cast<uintptr_t>(wsi), link.address, answers_.contains(wsi), secondsOf(link.since)});
+        const std::string_view address = link.overUnix() ? std::string_view() : link.address;
+        all.push_back({reinterpret_cast<uintptr_t>(wsi), address, answers_.contains(wsi), secondsOf(link.since)});
     }
     return all;
 }
@@ -132,7 +174,7 @@ void SocketLoop::sweepLinks() {
             link.writes = WriteWatch(now);
             continue;
         }
-        if (!link.writes.stalled(now, waits, acknowledgedBytes(descriptor), options_.times.write)) continue;
+        if (!link.writes.stalled(now, waits, takenBytes(wsi), options_.times.write)) continue;
         link.leaving = true;
         lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
     }

@@ -7,8 +7,10 @@
 #include "server/net/socket_server.h"
 #include "server/net/guard/departures.h"
 #include "server/net/guard/token.h"
+#include "server/net/guard/unix_progress.h"
 #include "server/net/guard/wire_ledger.h"
 #include "server/net/guard/write_watch.h"
+#include "server/net/listen/listener.h"
 
 #include <libwebsockets.h>
 #include <openssl/ssl.h>
@@ -60,8 +62,8 @@ public:
     void wake() { (*waker_)(); }
     void reload(const SocketAccess& access);
 
-    lws_context* context_ = nullptr;
-    int port_ = 0;
+    std::vector<ListenAddress> addresses() const;
+
     SocketOptions options_;  // while it serves, what can be reloaded is the service thread's alone
     const bool tls_ = !options_.certificateFile.empty();
 
@@ -82,14 +84,24 @@ private:
         SocketLoop* loop = nullptr;
     };
     using Clock = std::chrono::steady_clock;
+    /// Where connections come in.
+    struct Door {
+        Listener listener;
+        lws* wsi = nullptr;  // that tells of them
+    };
     /// A connection, whatever it speaks.
     struct Link {
-        std::string address;
+        std::string address;      // "unix" over a unix socket
+        bool ofThisMachine;       // it came in where nobody but this machine does
         Clock::time_point since;  // accepted, or the last answer
         WriteWatch writes;        // of answers over HTTP
-        bool reserved = false;    // beyond the limit: only health is told
-        bool leaving = false;     // gave way
-        uint64_t consumed = 0;    // bytes read when the last request was looked at
+        uint64_t written = 0;     // bytes handed to the library
+        UnixProgress progress;    // over a unix socket
+
+        bool overUnix() const { return address == "unix"; }
+        bool reserved = false;  // beyond the limit: only health is told
+        bool leaving = false;   // gave way
+        uint64_t consumed = 0;  // bytes read when the last request was looked at
     };
     struct Viewer {
         std::shared_ptr<Connection> connection;
@@ -103,6 +115,7 @@ private:
 
     static int callback(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
     void createContext();
+    void openDoors();
     void serve();
     void takeReload();
     int http(lws* wsi, lws_callback_reasons reason, std::string_view in);
@@ -111,6 +124,7 @@ private:
     unsigned sizeStatus(lws* wsi);
     int admin(lws* wsi, std::string_view path);
     std::string addressOf(lws* wsi) const;
+    std::string guardedAddress(lws* wsi) const;
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
     int upgrade(lws* wsi);
@@ -124,8 +138,13 @@ private:
     std::optional<SocketHandler::NoRoom> noRoom();
     size_t viewerCount() const;
     bool namesUs(lws* wsi) const;
-    bool connects(int descriptor);
+    bool loopbackOnly(lws* wsi) const;
+    void takeConnections(lws* wsi);
+    void take(const Door& door, const Accepted& accepted);
+    bool connects(const Accepted& accepted);
     void connected(lws* wsi);
+    uint64_t takenBytes(lws* wsi);
+    void countWritten(lws* wsi, size_t bytes);
     std::vector<Waiting> waiting(bool guests) const;
     void makeRoomForGuest();
     void takeToken(lws* wsi, Viewer& viewer);
@@ -147,6 +166,9 @@ private:
     void forget(lws* wsi);
 
     SocketHandler& handler_;
+    std::vector<Door> doors_;
+    lws_context* context_ = nullptr;
+    lws_vhost* host_ = nullptr;      // the only one
     SSL_CTX* tlsContext_ = nullptr;  // the library's
     std::mutex reloadMutex_;
     std::optional<SocketAccess> reload_;  // not taken yet
@@ -155,13 +177,14 @@ private:
     std::map<lws*, Viewer> viewers_;  // guests among them
     std::map<lws*, Link> links_;
     size_t room_ = 0;                                // connections that descriptors suffice for
-    lws* listener_ = nullptr;                        // known from the first connection on
     std::optional<Clock::time_point> listensAgain_;  // nothing is accepted until then
     bool pauseSaid_ = false;
-    int quietTurns_ = 0;  // of the loop, in a row
     TokenGuard guard_;
-    Departures departures_;                                // of viewers
-    bool reserveNext_ = false;                             // the connection that is being taken is beyond the limit
+    Departures departures_;  // of viewers
+    // The connection that is being taken: where it came in, and that it is beyond the limit.
+    const Door* door_ = nullptr;
+    const Accepted* accepted_ = nullptr;
+    bool reserveNext_ = false;
     RateLimit wrongNotes_{1.0, 5.0}, notes_{10.0, 100.0};  // lines of the log
     uint64_t notesLeftOut_ = 0;
     const std::string machine_;

@@ -2,9 +2,10 @@
 
 #include "server/base/error.h"
 #include "server/base/log.h"
-#include "server/net/port.h"
+#include "server/net/certificate.h"
 #include "server/net/socket_loop.h"
 
+#include <fcntl.h>
 #include <openssl/ssl.h>
 #include <unistd.h>
 
@@ -19,7 +20,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int QUIET_TURNS = 32;    // of the loop in a row, in which nothing happened: is it out of descriptors?
 constexpr unsigned LEAVING = 128;  // connections that gave way and are not gone yet
 constexpr auto GOODBYE = 150ms;    // for close frames when the server ends
 
@@ -45,24 +45,20 @@ void libraryLog(int level, const char* line) {
 
 namespace {
 
-// Index 0 takes everything that is no WebSocket.
-enum { PROTOCOL_HTTP, PROTOCOL_VIEWER };
+// The first one takes everything that is no WebSocket.
+constexpr const char* HTTP_PROTOCOL = "http";
 
 }  // namespace
 
 SocketLoop::SocketLoop(SocketOptions options, SocketHandler& handler)
     : options_(std::move(options)), handler_(handler), machine_(machineName()) {
-    const ListenAddress& listen = options_.listen;
-    std::string problem = bindProblem(listen);
-    if (!problem.empty()) {
-        throw InputError("--listen", listen.host + ":" + std::to_string(listen.port) + ": " + problem,
-                         "a free port of this machine; 0 takes any");
-    }
+    for (Listener& listener : listenOn(options_.listen, options_.socketMode)) doors_.push_back({std::move(listener)});
     for (const std::string& file : {options_.certificateFile, options_.keyFile}) {
         if (!file.empty() && !std::ifstream(file)) throw InputError(file, "cannot be read", "a PEM file");
     }
     checkDescriptors();
     createContext();
+    openDoors();
     waker_->context = context_;
 }
 
@@ -70,23 +66,18 @@ void SocketLoop::createContext() {
     lws_set_log_level(LLL_ERR | LLL_WARN, libraryLog);
     lastLibraryError().clear();
     static const lws_protocols protocols[] = {
-        {"http", callback, 0, 16384, 0, nullptr, 0},
+        {HTTP_PROTOCOL, callback, 0, 16384, 0, nullptr, 0},
         {PROTOCOL_NAME, callback, 0, 16384, 0, nullptr, 0},
         {nullptr, nullptr, 0, 0, 0, nullptr, 0},
     };
     static const lws_retry_bo_t keepAlive = {nullptr, 0, 0, IDLE_PING.count(), IDLE_CLOSE.count(), 0};
 
     lws_context_creation_info info{};
-    const ListenAddress& listen = options_.listen;
-    info.port = listen.port;
-    info.iface = listen.host.c_str();
+    info.port = CONTEXT_PORT_NO_LISTEN_SERVER;  // connections are accepted at our doors
     info.protocols = protocols;
     info.user = this;
     info.server_string = "heliograph";
-    info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND | LWS_SERVER_OPTION_VALIDATE_UTF8 |
-                   LWS_SERVER_OPTION_SKIP_SERVER_CANONICAL_NAME;
-    if (listen.host.find(':') == std::string::npos) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
-    if (listen.host == "0.0.0.0" || listen.host == "::") info.iface = nullptr;
+    info.options = LWS_SERVER_OPTION_VALIDATE_UTF8 | LWS_SERVER_OPTION_SKIP_SERVER_CANONICAL_NAME;
     info.timeout_secs = 10;
     info.keepalive_timeout = 15;
     info.retry_and_idle_policy = &keepAlive;
@@ -94,7 +85,7 @@ void SocketLoop::createContext() {
     info.max_http_header_data = 65535;  // of a connection, until its request is answered
     info.token_limits = &headerLimits();
     info.fd_limit_per_thread =
-        static_cast<unsigned>(options_.maxViewers + options_.spareConnections + RESERVED_CONNECTIONS) + LEAVING;
+        static_cast<unsigned>(options_.maxViewers + options_.spareConnections + RESERVED_CONNECTIONS + doors_.size()) + LEAVING;
     // Without this a browser picks HTTP/2 over TLS and opens the WebSocket inside it, where 4.1.6 reads past its buffer.
     info.alpn = "http/1.1";
     if (!options_.certificateFile.empty()) {
@@ -110,10 +101,26 @@ void SocketLoop::createContext() {
                              "does not work as certificate with " + options_.keyFile + " (" + lastLibraryError() + ")",
                              "a PEM certificate and its key");
         }
-        throw InputError("--listen", listen.host + ":" + std::to_string(listen.port) + ": " + lastLibraryError(),
-                         "a free port");
+        throw std::runtime_error("libwebsockets: " + lastLibraryError());
     }
-    port_ = lws_get_vhost_listen_port(lws_get_vhost_by_name(context_, "default"));
+    host_ = lws_get_vhost_by_name(context_, "default");
+}
+
+/// The library watches the listening sockets as files and tells when somebody waits there.
+void SocketLoop::openDoors() {
+    for (Door& door : doors_) {
+        lws_sock_file_fd_type file{};
+        file.filefd = fcntl(door.listener.descriptor(), F_DUPFD_CLOEXEC, 0);  // the library closes its own
+        if (file.filefd >= 0)
+            door.wsi = lws_adopt_descriptor_vhost(host_, LWS_ADOPT_RAW_FILE_DESC, file, HTTP_PROTOCOL, nullptr);
+        if (!door.wsi) throw std::runtime_error(textOf(door.listener.address()) + ": " + lastLibraryError());
+    }
+}
+
+std::vector<ListenAddress> SocketLoop::addresses() const {
+    std::vector<ListenAddress> all;
+    for (const Door& door : doors_) all.push_back(door.listener.address());
+    return all;
 }
 
 SocketLoop::~SocketLoop() {
@@ -159,7 +166,6 @@ void SocketLoop::serve() {
     sweep();
     while (!over()) {
         lws_service(context_, 0);
-        if (++quietTurns_ > QUIET_TURNS) pauseListening();
     }
     lws_sul_cancel(&timer_.entry);
     ended_ = true;
@@ -184,16 +190,12 @@ int SocketLoop::callback(lws* wsi, lws_callback_reasons reason, void* user, void
         server->tlsContext_ = static_cast<SSL_CTX*>(user);
     if (server && reason == LWS_CALLBACK_WSI_DESTROY) server->forget(wsi);  // whatever had become of it
     if (!server || !protocol || reason == LWS_CALLBACK_WSI_DESTROY) return 0;
-    server->quietTurns_ = 0;
-    if (reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION) server->listener_ = wsi;
-    // Here the library passes a descriptor in the place of a pointer.
-    if (reason == LWS_CALLBACK_FILTER_NETWORK_CONNECTION)
-        return server->connects(static_cast<int>(reinterpret_cast<intptr_t>(in))) ? 0 : -1;
     std::string_view bytes = in ? std::string_view(static_cast<const char*>(in), length) : std::string_view();
     // The library names the protocol to upgrade to as a C string and gives no length.
     if (reason == LWS_CALLBACK_HTTP_CONFIRM_UPGRADE && in) bytes = static_cast<const char*>(in);
     try {
-        if (reason == LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED) server->connected(wsi);
+        if (reason == LWS_CALLBACK_RAW_RX_FILE) server->takeConnections(wsi);
+        else if (reason == LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED) server->connected(wsi);
         else if (protocol->name == std::string_view(PROTOCOL_NAME)) return server->viewer(wsi, reason, bytes);
         else return server->http(wsi, reason, bytes);
     } catch (const std::exception& e) {
@@ -207,16 +209,19 @@ int SocketLoop::callback(lws* wsi, lws_callback_reasons reason, void* user, void
 SocketServer::SocketServer(SocketOptions options, SocketHandler& handler)
     : impl_(std::make_unique<SocketLoop>(std::move(options), handler)) {}
 SocketServer::~SocketServer() = default;
-int SocketServer::port() const { return impl_->port_; }
+std::vector<ListenAddress> SocketServer::addresses() const { return impl_->addresses(); }
 void SocketServer::start() { impl_->start(); }
 void SocketServer::stop() { impl_->stop(); }
 void SocketServer::wake() { impl_->wake(); }
 void SocketServer::reload(const SocketAccess& access) { impl_->reload(access); }
 
-std::string SocketServer::url() const {
-    std::string host = impl_->options_.listen.host;
-    if (host.find(':') != std::string::npos) host = "[" + host + "]";
-    return (impl_->tls_ ? "https://" : "http://") + host + ":" + std::to_string(impl_->port_);
+std::string SocketServer::url() const { return urlsOf(impl_->addresses(), impl_->tls_); }
+
+int SocketServer::port() const {
+    for (const ListenAddress& address : impl_->addresses()) {
+        if (!address.isUnix()) return address.port;
+    }
+    return 0;
 }
 
 }  // namespace heliograph

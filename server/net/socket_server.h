@@ -1,9 +1,9 @@
 #pragma once
-// The one port of the server, by libwebsockets: the client's files, /healthz, /readyz and /metrics over HTTP/1.1, viewers
-// over WebSocket on /ws. One thread serves all connections; other threads only wake it (lws_cancel_service).
+// What the server answers where it listens, by libwebsockets: the client's files, /healthz, /readyz and /metrics over HTTP/1.1,
+// viewers over WebSocket on /ws. One thread serves all connections; other threads only wake it (lws_cancel_service).
 
 #include "server/net/client_files.h"
-#include "server/net/guard/origin.h"
+#include "server/net/listen/listen_address.h"
 #include "server/net/viewer_socket.h"
 
 #include <memory>
@@ -29,7 +29,8 @@ struct SocketTimes {
 };
 
 struct SocketOptions : SocketAccess {
-    ListenAddress listen;
+    std::vector<ListenAddress> listen;
+    unsigned socketMode = 0660;  // of the files of unix sockets
     SocketTimes times;
     size_t maxGuests = MAX_GUESTS;                // viewers that have not said the token yet
     size_t spareConnections = SPARE_CONNECTIONS;  // beside the viewers
@@ -79,13 +80,15 @@ class SocketLoop;
 
 class SocketServer {
 public:
-    /// Binds the port. Throws InputError if it is taken or a certificate does not fit.
+    /// Listens, and serves from start() on. Throws InputError if an address is taken or a certificate does not fit.
     SocketServer(SocketOptions options, SocketHandler& handler);
     ~SocketServer();
 
-    /// The port in use.
+    /// With the ports in use.
+    std::vector<ListenAddress> addresses() const;
+    /// The first port in use; 0 where there are only unix sockets.
     int port() const;
-    /// "http://127.0.0.1:8080"
+    /// "http://127.0.0.1:8080, unix:/run/heliograph.sock"
     std::string url() const;
     /// Begins to serve, on a thread of its own.
     void start();

@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
+#include "server/net/guard/origin.h"
 #include "server/net/guard/tcp_counts.h"
 #include "server/net/socket_loop.h"
 
@@ -33,7 +34,6 @@ bool lists(std::string_view list, std::string_view word) {
 /// A browser asks for the WebSocket: 0 lets it pass.
 int SocketLoop::upgrade(lws* wsi) {
     const std::string host = headerOf(wsi, WSI_TOKEN_HOST), origin = headerOf(wsi, WSI_TOKEN_ORIGIN);
-    const bool loopbackOnly = isLoopback(options_.listen.host) && options_.token.empty();
     if (const unsigned status = sizeStatus(wsi); status != 0) return refuse(wsi, status, TOO_LONG);
     if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (headerOf(wsi, WSI_TOKEN_GET_URI) != "/ws") return refuse(wsi, 404, "WebSocket is spoken at /ws");
@@ -41,7 +41,7 @@ int SocketLoop::upgrade(lws* wsi) {
     if (!lists(headerOf(wsi, WSI_TOKEN_PROTOCOL), PROTOCOL_NAME)) {
         return refuse(wsi, 400, std::string("this server speaks ") + PROTOCOL_NAME);
     }
-    if (!originAllowed(origin, host, options_.allowedOrigins, loopbackOnly)) {
+    if (!originAllowed(origin, host, options_.allowedOrigins, loopbackOnly(wsi))) {
         return refuse(wsi, 403, "pages of another origin may not connect");
     }
     const Bearer bearer = options_.token.empty() ? Bearer::none : bearerOf(wsi, {options_.token});
@@ -114,7 +114,7 @@ void SocketLoop::enter(lws* wsi, Viewer& viewer, bool authorized) {
 /// The token came as the first message, or something else did.
 void SocketLoop::takeToken(lws* wsi, Viewer& viewer) {
     if (viewer.wrongToken || viewer.connection->closeAsked()) return;
-    const std::string address = addressOf(wsi);
+    const std::string address = guardedAddress(wsi);
     std::string token;
     try {
         if (viewer.guest->said->size() > 2 * TOKEN_LIMIT)
@@ -127,7 +127,7 @@ void SocketLoop::takeToken(lws* wsi, Viewer& viewer) {
     if (guard_.lockedFor(address, now) > 0.0)
         return viewer.connection->close(CloseCode::unauthorized, "too many wrong tokens from this address; wait");
     if (!sameSecret(token, options_.token)) {
-        wrongToken(address);
+        wrongToken(addressOf(wsi));
         const auto delay = std::chrono::duration<double>(guard_.wrong(address, now));
         viewer.wrongToken = Clock::now() + std::chrono::duration_cast<Clock::duration>(delay);
         return;
@@ -155,6 +155,7 @@ int SocketLoop::write(lws* wsi, Connection& connection) {
     const double before = threadCpuSeconds();
     int written = lws_write(wsi, piece->bytes.data(), piece->bytes.size(), static_cast<lws_write_protocol>(mode));
     if (written < static_cast<int>(piece->bytes.size())) return -1;
+    countWritten(wsi, piece->bytes.size());
     if (!piece->text) connection.pieceWritten(threadCpuSeconds() - before);
     if (connection.hasOutput()) lws_callback_on_writable(wsi);
     return 0;
@@ -249,7 +250,7 @@ bool SocketLoop::inTime(lws* wsi, Viewer& viewer) {
     if (!viewer.closeAsked && viewer.connection->closeAsked()) viewer.closeAsked = now;
     if (viewer.closeAsked && now - *viewer.closeAsked > options_.times.close) return false;
     const bool waits = viewer.connection->hasOutput() || lws_partial_buffered(wsi);
-    return !viewer.writes.stalled(now, waits, acknowledgedBytes(lws_get_socket_fd(wsi)), options_.times.write);
+    return !viewer.writes.stalled(now, waits, takenBytes(wsi), options_.times.write);
 }
 
 }  // namespace heliograph

@@ -3,7 +3,7 @@
 #include "server/base/error.h"
 #include "server/base/machine.h"
 #include "server/base/text.h"
-#include "server/net/port.h"
+#include "server/net/listen/listener.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -105,10 +105,14 @@ std::vector<Finding> judgeMachine(const MachineFacts& facts, const ServeOptions&
 }
 
 Finding judgeAddress(const std::string& address) {
-    return judgeAttempt("port", [&]() -> std::string {
+    const bool isPath = address.starts_with("unix:");
+    return judgeAttempt(isPath ? "socket" : "port", [&]() -> std::string {
         const ListenAddress listen = parseListenAddress(address);
-        const std::string problem = bindProblem(listen);
-        if (!problem.empty()) throw InputError(address, problem, "a free port of this machine");
+        const std::string problem = listenProblem(listen);
+        if (!problem.empty())
+            throw InputError(address, problem,
+                             isPath ? "a path in a folder that this user may write to" : "a free port of this machine");
+        if (isPath) return address + " can be made";
         return address + (listen.port == 0 ? " takes a free one" : " is free");
     });
 }

@@ -2,7 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/base/log.h"
-#include "server/net/guard/origin.h"
+#include "server/net/listen/listen_address.h"
 #include "server/request/settings.h"
 
 #include <algorithm>
@@ -16,6 +16,7 @@ namespace {
 using O = ServeOptions;
 
 void checkListen(const std::string& text) { parseListenAddress(text); }
+void checkMode(const std::string& text) { parseSocketMode(text); }
 void checkSetting(const std::string& text) { Settings().setFromText(text); }
 void checkName(const std::string& text) {
     if (text.empty()) throw InputError("", "empty", "a name");
@@ -24,9 +25,13 @@ void checkName(const std::string& text) {
 const OptionRow ROWS[] = {
     {"scene", &O::scene, "SCENE", "courtyard, cathedral, glass, cornell, or a .gltf, .glb or .obj file", false, 0, 0,
      checkName},
-    {"listen", &O::listen, "HOST:PORT",
-     "Address and port; port 0 takes a free one. Anything but this machine's own address needs\n--token-file or --insecure",
+    {"listen", &O::listen, "HOST:PORT|unix:/PATH",
+     "Address and port, port 0 takes a free one; or a unix socket. May be given several times. Anything but this\nmachine's "
+     "own "
+     "addresses needs --token-file or --insecure. Sockets of systemd (LISTEN_FDS) are listened on, too, and\ninstead of the "
+     "default",
      false, 0, 0, checkListen},
+    {"socket-mode", &O::socketMode, "OCTAL", "File mode of unix sockets", false, 0, 0, checkMode},
     {"devices", &O::devices, "auto|LIST",
      "What viewers may render with: auto for all that is here, or names of the setting device below\nwith commas between, the "
      "first of which is where they start",

@@ -15,7 +15,8 @@ namespace heliograph {
 /// The options' values, as they are used.
 struct ServeOptions {
     std::string scene = "courtyard";
-    std::string listen = "127.0.0.1:8080";
+    std::vector<std::string> listen = {"127.0.0.1:8080"};
+    std::string socketMode = "0660";
     std::vector<std::string> devices;   // empty: all that are here
     std::string environment;            // file, or empty
     std::vector<std::string> settings;  // key=value, later ones win

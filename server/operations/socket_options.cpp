@@ -4,6 +4,7 @@
 #include "server/base/log.h"
 #include "server/net/guard/token.h"
 
+#include <algorithm>
 #include <filesystem>
 
 namespace heliograph {
@@ -14,6 +15,14 @@ std::string tokenOf(const std::string& file) {
     std::string token = readTokenFile(file);
     if (const std::string warning = readableByAll(file); !warning.empty()) log().warn("{}", warning);
     return token;
+}
+
+std::vector<ListenAddress> addressesOf(const ServeOptions& options, const std::vector<ListenAddress>& handedOver) {
+    std::vector<ListenAddress> addresses = handedOver;
+    std::ranges::transform(options.listen, std::back_inserter(addresses), parseListenAddress);
+    if (addresses.empty()) throw InputError("--listen", "nowhere", "an address at least, or a socket of the service manager");
+    if (const std::string twice = namedTwice(addresses); !twice.empty()) throw InputError("--listen", twice + " twice", "once");
+    return addresses;
 }
 
 }  // namespace
@@ -31,15 +40,17 @@ std::string clientFolder(const std::string& given) {
                      "build it there (npm run build in client-web) or name its folder with --client");
 }
 
-SocketOptions socketOptions(const ServeOptions& options) {
+SocketOptions socketOptions(const ServeOptions& options, const std::vector<ListenAddress>& handedOver) {
     SocketOptions socket;
-    socket.listen = parseListenAddress(options.listen);
+    socket.listen = addressesOf(options, handedOver);
+    socket.socketMode = parseSocketMode(options.socketMode);
     if (!options.tokenFile.empty()) socket.token = tokenOf(options.tokenFile);
     if (!options.adminTokenFile.empty()) socket.adminToken = tokenOf(options.adminTokenFile);
     if (!socket.adminToken.empty() && socket.adminToken == socket.token)
         throw InputError("--admin-token-file", "the token of viewers", "another one, which entitles to more");
-    if (!isLoopback(socket.listen.host) && socket.token.empty() && !options.insecure) {
-        throw InputError("--listen", options.listen + " can be reached from other machines",
+    const auto open = std::ranges::find_if_not(socket.listen, ofThisMachine);
+    if (open != socket.listen.end() && socket.token.empty() && !options.insecure) {
+        throw InputError("--listen", textOf(*open) + " can be reached from other machines",
                          "that with --token-file FILE, or with --insecure to let everybody in; or 127.0.0.1");
     }
     if (options.certificate.empty() != options.key.empty()) {

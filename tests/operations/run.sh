@@ -1,9 +1,9 @@
 #!/bin/bash
-# The server as an operator meets it: signals, service manager, metrics, proxy. run.sh [SCRIPT...]; the last line is
+# The server as an operator meets it: signals, sockets, service manager, metrics, proxy. run.sh [SCRIPT...]; the last line is
 # `N passed, N failed`. What needs a program that is not here (nginx, prometheus, openssl) says so and counts as neither.
 # HELIOGRAPH names the program (build/release/heliograph).
 cd "$(dirname "$(readlink -f "$0")")" || exit 1
-[ $# -gt 0 ] || set -- signals.py reload.py nginx.py prometheus.py
+[ $# -gt 0 ] || set -- signals.py listen.py reload.py nginx.py prometheus.py
 passed=0 failed=0
 for script in "$@"; do
     echo "== $script"

@@ -50,6 +50,12 @@ bool WebClient::untilClosed() {
     return buffer_.empty() && recv(fd_, &byte, 1, 0) <= 0 && errno != EAGAIN;
 }
 
+size_t WebClient::take(size_t most) {
+    std::string bytes(most, '\0');
+    const ssize_t count = recv(fd_, bytes.data(), most, MSG_DONTWAIT);
+    return count > 0 ? static_cast<size_t>(count) : 0;
+}
+
 WebClient::WebClient(int port, const char* from, int receiveBuffer) : fd_(patientSocket(AF_INET)) {
     if (receiveBuffer > 0) setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &receiveBuffer, sizeof receiveBuffer);
     sockaddr_in address{};

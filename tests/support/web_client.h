@@ -48,6 +48,8 @@ public:
     HttpAnswer readAnswer();
     /// Waits until the server has closed; false if it sends something instead.
     bool untilClosed();
+    /// Takes at most so many bytes of what is there, and forgets them. Returns how many.
+    size_t take(size_t most);
 
     /// As maskedFrame.
     void sendFrame(int opcode, const std::string& bytes, bool last = true) { send(maskedFrame(opcode, bytes, last)); }

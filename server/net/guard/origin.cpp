@@ -1,12 +1,9 @@
 #include "server/net/guard/origin.h"
 
-#include "server/base/error.h"
-
 #include <arpa/inet.h>
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 
 namespace heliograph {
 
@@ -18,38 +15,14 @@ std::string lower(std::string_view text) {
     return result;
 }
 
-struct Authority {
-    std::string host;
-    std::string port;
-};
+}  // namespace
 
-/// "host:port", "[::1]:port"; the port may lack.
 Authority splitAuthority(std::string_view text) {
     size_t colon = text.rfind(':');
     bool hasPort = colon != std::string_view::npos && text.find(']', colon) == std::string_view::npos &&
                    (text.starts_with('[') || text.find(':') == colon);
     Authority result{lower(hasPort ? text.substr(0, colon) : text), hasPort ? std::string(text.substr(colon + 1)) : ""};
     if (result.host.starts_with('[') && result.host.ends_with(']')) result.host = result.host.substr(1, result.host.size() - 2);
-    return result;
-}
-
-}  // namespace
-
-ListenAddress parseListenAddress(const std::string& text) {
-    const char* allowed = "HOST:PORT with a port from 0 to 65535, as 127.0.0.1:8080 or [::1]:8080";
-    bool bare = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c); });
-    Authority parts = bare ? Authority{"", text} : splitAuthority(text);
-    ListenAddress result;
-    const char* end = parts.port.data() + parts.port.size();
-    auto [stop, error] = std::from_chars(parts.port.data(), end, result.port);
-    if (error != std::errc() || stop != end || result.port < 0 || result.port > 65535) {
-        throw InputError("--listen", "\"" + text + "\"", allowed);
-    }
-    if (!parts.host.empty() && parts.host != "localhost") result.host = parts.host;
-    bool characters = std::all_of(result.host.begin(), result.host.end(),
-                                  [](unsigned char c) { return std::isxdigit(c) || c == '.' || c == ':'; });
-    if (!characters)
-        throw InputError("--listen", "\"" + text + "\"", "an address of this machine, not a name, as 0.0.0.0:8080");
     return result;
 }
 

@@ -8,14 +8,12 @@
 
 namespace heliograph {
 
-/// An address to listen on: host without brackets, and port.
-struct ListenAddress {
-    std::string host = "127.0.0.1";
-    int port = 8080;  // 0: any free one
+/// "host:port", "[::1]:port": host in small letters without brackets; the port may lack.
+struct Authority {
+    std::string host;
+    std::string port;
 };
-
-/// Reads "127.0.0.1:8080", "[::1]:8080", "localhost:8080", ":8080" (this machine) or "8080". Throws InputError.
-ListenAddress parseListenAddress(const std::string& text);
+Authority splitAuthority(std::string_view text);
 
 /// The host is reached from this machine alone.
 bool isLoopback(std::string_view host);

@@ -1,5 +1,6 @@
 #include "server/net/guard/tcp_counts.h"
 
+#include <linux/sockios.h>
 #include <linux/tcp.h>
 #include <netinet/in.h>
 #include <sys/ioctl.h>
@@ -23,6 +24,11 @@ uint64_t acknowledgedBytes(int socket) {
     tcp_info info{};
     return readInfo(socket, info, offsetof(tcp_info, tcpi_bytes_acked) + sizeof info.tcpi_bytes_acked) ? info.tcpi_bytes_acked
                                                                                                        : 0;
+}
+
+uint64_t heldBytes(int socket) {
+    int held = 0;
+    return ioctl(socket, SIOCOUTQ, &held) == 0 && held > 0 ? static_cast<uint64_t>(held) : 0;
 }
 
 std::optional<uint64_t> consumedBytes(int socket) {

@@ -1,5 +1,5 @@
 #pragma once
-// What the system says of a TCP socket: how much came in and how much of what was sent has arrived.
+// What the system says of a socket: how much came in and how much of what was sent has arrived.
 
 #include <cstdint>
 #include <optional>
@@ -8,6 +8,9 @@ namespace heliograph {
 
 /// Bytes that the other side has acknowledged; 0 where the system does not tell.
 uint64_t acknowledgedBytes(int socket);
+
+/// Bytes that were written to a unix socket and not read yet, with what the system keeps around them; 0 where it does not tell.
+uint64_t heldBytes(int socket);
 
 /// Bytes that have come and were read from the socket, TLS and all; its end counts as one. Nothing where the system does not
 /// tell (no TCP) and while more arrives faster than it can be looked at. For the thread that reads the socket.

@@ -50,6 +50,7 @@ double TokenGuard::lockedFor(const std::string& address, double now) const {
 double TokenGuard::wrong(const std::string& address, double now) {
     constexpr size_t MOST_ADDRESSES = 4096;  // then the one that was quiet longest is forgotten
     constexpr double DELAY = 0.1;            // seconds, times the guesses so far
+    if (address.empty()) return DELAY * FREE_GUESSES;
     const auto quiet = static_cast<double>(GUESS_MEMORY.count());
     std::erase_if(addresses_, [&](const auto& a) { return now - a.second.last > quiet && a.second.lockedUntil <= now; });
     if (!addresses_.contains(address) && addresses_.size() >= MOST_ADDRESSES)

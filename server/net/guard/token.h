@@ -18,7 +18,8 @@ std::string readableByAll(const std::string& path);
 bool sameSecret(std::string_view given, std::string_view secret);
 
 /// Counts wrong tokens by address, so that they cannot be guessed: the first FREE_GUESSES are answered later and later, after
-/// them an address has to wait, twice as long each time. Times in seconds of any clock that does not go back.
+/// them an address has to wait, twice as long each time. An empty address (a unix socket's: there may be many behind it) is
+/// answered late and never locked out. Times in seconds of any clock that does not go back.
 class TokenGuard {
 public:
     /// Seconds until a token of this address is looked at again; 0: now.

@@ -33,27 +33,6 @@ struct Folder {
     }
 };
 
-TEST(ListenAddress, ReadsHostAndPort) {
-    auto check = [](const std::string& text, const std::string& host, int port) {
-        ListenAddress a = parseListenAddress(text);
-        EXPECT_EQ(a.host, host) << text;
-        EXPECT_EQ(a.port, port) << text;
-    };
-    check("127.0.0.1:8080", "127.0.0.1", 8080);
-    check("0.0.0.0:0", "0.0.0.0", 0);
-    check("[::1]:65535", "::1", 65535);
-    check("localhost:9", "127.0.0.1", 9);
-    check(":81", "127.0.0.1", 81);
-    check("8081", "127.0.0.1", 8081);
-}
-
-TEST(ListenAddress, RefusesTheRest) {
-    for (const char* text : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:80x",
-                             "example.org:80", "[::1]", "127.0.0.1:8080:9", "::1:80 ", "/tmp/socket:1"}) {
-        EXPECT_THROW(parseListenAddress(text), InputError) << text;
-    }
-}
-
 TEST(Origin, LoopbackIsThisMachineAlone) {
     for (const char* host : {"127.0.0.1", "127.9.9.9", "::1", "localhost"}) EXPECT_TRUE(isLoopback(host)) << host;
     for (const char* host : {"0.0.0.0", "::", "10.0.0.1", "127.evil.org", "1127.0.0.1", ""})

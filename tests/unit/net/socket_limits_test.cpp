@@ -77,7 +77,7 @@ public:
 
 SocketOptions options() {
     SocketOptions o;
-    o.listen.port = 0;
+    o.listen = {parseListenAddress("127.0.0.1:0")};
     o.maxViewers = 4;
     o.files["/"] = {"text/html; charset=utf-8", "<p>hello"};
     o.files["/big.js"] = {"text/javascript", std::string(12 << 20, 'x')};

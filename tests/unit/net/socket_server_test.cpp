@@ -88,7 +88,7 @@ public:
 
 SocketOptions options() {
     SocketOptions o;
-    o.listen.port = 0;
+    o.listen = {parseListenAddress("127.0.0.1:0")};
     o.files["/"] = {"text/html; charset=utf-8", "<p>hello"};
     o.files["/app.js"] = {"text/javascript; charset=utf-8", std::string(200'000, 'x')};
     return o;
@@ -327,7 +327,7 @@ TEST(SocketServer, ThreadsMaySendAtWill) {
 TEST(SocketServer, ATakenPortIsSaid) {
     Server s;
     SocketOptions same = options();
-    same.listen.port = s.port();
+    same.listen = s.server.addresses();
     Handler handler;
     try {
         SocketServer second(same, handler);

@@ -84,7 +84,7 @@ public:
 
 SocketOptions options(const Certificate& certificate) {
     SocketOptions o;
-    o.listen.port = 0;
+    o.listen = {parseListenAddress("127.0.0.1:0")};
     o.certificateFile = certificate.certificateFile;
     o.keyFile = certificate.keyFile;
     return o;
@@ -135,6 +135,23 @@ struct TlsClient {
         return all;
     }
 };
+
+TEST(Tls, IsNotSpokenOverAUnixSocket) {
+    Certificate certificate;
+    SocketOptions both = options(certificate);
+    const std::string path = certificate.certificateFile + ".sock";
+    both.listen.push_back(parseListenAddress("unix:" + path));
+    Sender handler;
+    SocketServer server(both, handler);
+    server.start();
+    test::WebClient local(path);
+    EXPECT_EQ(local.get("/healthz").body, "ok\n");
+    TlsClient client(server.port());
+    ASSERT_TRUE(client.shakeHands());
+    client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    EXPECT_TRUE(client.read(12).starts_with("HTTP/1.1 200"));
+    EXPECT_EQ(local.get("/healthz").body, "ok\n");
+}
 
 TEST(Tls, AgreesOnHttp11AndCarriesLargeFrames) {
     Certificate certificate;

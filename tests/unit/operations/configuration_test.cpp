@@ -62,12 +62,12 @@ TEST_F(ConfigurationTest, FlagsWinOverEnvironmentOverFile) {
     const Configuration all = with(text, {"HELIOGRAPH_MAX_VIEWERS=4", "HELIOGRAPH_LISTEN=127.0.0.1:2", "HOME=/"},
                                    {{"max-viewers", Kind::word, {"5"}, "--max-viewers"}});
     EXPECT_EQ(all.options.maxViewers, 5u);
-    EXPECT_EQ(all.options.listen, "127.0.0.1:2");
+    EXPECT_EQ(all.options.listen, std::vector<std::string>{"127.0.0.1:2"});
     EXPECT_EQ(all.options.logLevel, "warn");
     EXPECT_EQ(all.options.scene, "courtyard");
     const std::string printed = configurationText(all);
     EXPECT_THAT(printed, HasSubstr("\nmax-viewers = 5  # --max-viewers\n"));
-    EXPECT_THAT(printed, HasSubstr("\nlisten = \"127.0.0.1:2\"  # HELIOGRAPH_LISTEN\n"));
+    EXPECT_THAT(printed, HasSubstr("\nlisten = [\"127.0.0.1:2\"]  # HELIOGRAPH_LISTEN\n"));
     EXPECT_THAT(printed, HasSubstr("\nlog-level = \"warn\"  # " + all.file + ":3\n"));
     EXPECT_THAT(printed, HasSubstr("\nscene = \"courtyard\"  # default\n"));
 }
@@ -104,8 +104,10 @@ TEST_F(ConfigurationTest, NamesLineValueAndRange) {
     EXPECT_EQ(refusal("max-viewers = -9223372036854775808"),
               at + "1: max-viewers: -9223372036854775808; allowed: a whole number from 1 to 1000");
     EXPECT_EQ(refusal("insecure = 1"), at + "1: insecure: 1; allowed: true or false");
-    EXPECT_EQ(refusal("listen = 8080"), at + "1: listen: 8080; allowed: a text in quotes");
-    EXPECT_EQ(refusal("listen = ['a', 'b']"), at + "1: listen: a list of 2 values; allowed: a text in quotes");
+    EXPECT_EQ(refusal("client = 8080"), at + "1: client: 8080; allowed: a text in quotes");
+    EXPECT_EQ(refusal("client = ['a', 'b']"), at + "1: client: a list of 2 values; allowed: a text in quotes");
+    EXPECT_THAT(refusal("listen = ['8080', 'b']"), StartsWith(at + "1: listen: \"b\"; allowed: HOST:PORT"));
+    EXPECT_EQ(refusal("socket-mode = '0888'"), at + "1: socket-mode: \"0888\"; allowed: octal digits up to 0777, as 0660");
     EXPECT_EQ(refusal("#\n#\nmax_viewers = 3"), at + "3: max_viewers: no such option; allowed: did you mean max-viewers?");
     EXPECT_EQ(refusal("frobnicate = 3"), at + "1: frobnicate: no such option; allowed: the options of heliograph serve --help");
     EXPECT_EQ(refusal("[listen]\na = 1"), at + "1: listen: a table; allowed: a plain value; only [set] is a table");
@@ -179,7 +181,7 @@ TEST(ServeOptionsTest, NamesWhatNeedsARestart) {
     ServeOptions running, wanted;
     wanted.maxViewers = 5;
     EXPECT_EQ(needsRestart(running, wanted), "");
-    wanted.listen = "127.0.0.1:1";
+    wanted.listen = {"127.0.0.1:1"};
     wanted.client = "elsewhere";
     EXPECT_EQ(needsRestart(running, wanted), "listen, client");
 }

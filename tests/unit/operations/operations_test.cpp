@@ -1,6 +1,9 @@
+#include "server/base/error.h"
 #include "server/operations/liveness.h"
 #include "server/operations/notify.h"
 #include "server/operations/readiness.h"
+#include "server/operations/socket_activation.h"
+#include "server/operations/socket_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -151,6 +154,45 @@ TEST(ServiceManagerTest, GoesOnWithoutOne) {
     ServiceManager(variable).ready("x");
     variables = {{"NOTIFY_SOCKET", std::string(200, '/')}};
     EXPECT_FALSE(ServiceManager(variable).listens());
+}
+
+TEST(SocketActivation, CountsFromThreeAndKnowsNames) {
+    const auto said = [] {
+        std::string all;
+        for (const HandedOver& one : handedOver(variable, 77)) all += std::to_string(one.descriptor) + "=" + one.name + " ";
+        return all;
+    };
+    variables = {};
+    EXPECT_EQ(said(), "");
+    variables = {{"LISTEN_FDS", "3"}, {"LISTEN_PID", "77"}, {"LISTEN_FDNAMES", "web::admin:more"}};
+    EXPECT_EQ(said(), "3=web 4=unknown 5=admin ");
+    variables.erase("LISTEN_FDNAMES");
+    EXPECT_EQ(said(), "3=unknown 4=unknown 5=unknown ");
+    variables["LISTEN_PID"] = "78";
+    EXPECT_EQ(said(), "") << "meant for another process";
+    variables["LISTEN_PID"] = "77";
+    for (const char* bad : {"", "-1", "65", "3 ", "three"}) {
+        variables["LISTEN_FDS"] = bad;
+        EXPECT_THROW(said(), InputError) << bad;
+    }
+}
+
+TEST(SocketOptionsTest, NamesEveryAddressOnceAndAsksForATokenForAny) {
+    ServeOptions options;
+    options.listen = {"127.0.0.1:1", "unix:/run/x"};
+    ListenAddress handed = parseListenAddress("[::1]:2");
+    handed.descriptor = 3;
+    const std::vector<ListenAddress> all = socketOptions(options, {handed}).listen;
+    EXPECT_EQ(urlsOf(all, false), "http://[::1]:2, http://127.0.0.1:1, unix:/run/x");
+    options.listen.push_back("unix:/run/x");
+    EXPECT_THROW(socketOptions(options, {}), InputError);
+    options.listen = {};
+    EXPECT_THROW(socketOptions(options, {}), InputError);
+    EXPECT_EQ(socketOptions(options, {handed}).listen.size(), 1u);
+    handed.host = "::";
+    EXPECT_THROW(socketOptions(options, {handed}), InputError) << "other machines, no token";
+    options.insecure = true;
+    EXPECT_EQ(socketOptions(options, {handed}).listen.size(), 1u);
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ public:
 
 ServiceOptions options() {
     ServiceOptions o;
-    o.socket.listen.port = 0;
+    o.socket.listen = {parseListenAddress("127.0.0.1:0")};
     o.socket.files["/"] = {"text/html", "hello"};
     o.scenes = {{"first", "one"}, {"second", "two"}, {"bad", "three"}};
     o.defaults.samples = 1;
