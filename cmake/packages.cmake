@@ -26,6 +26,8 @@ deb_files(deb_server usr/share/bash-completion/completions ${words}/completions/
 deb_files(deb_load usr/share/bash-completion/completions ${words}/completions/heliograph-load)
 deb_files(deb_server etc/heliograph ${words}/heliograph.toml)
 deb_files(deb_server lib/systemd/system ${CMAKE_SOURCE_DIR}/packaging/heliograph.service ${CMAKE_SOURCE_DIR}/packaging/heliograph.socket)
+install(FILES ${CMAKE_SOURCE_DIR}/packaging/sysusers.conf DESTINATION usr/lib/sysusers.d RENAME heliograph.conf
+  COMPONENT deb_server EXCLUDE_FROM_ALL)
 deb_files(deb_server usr/share/doc/heliograph ${CMAKE_SOURCE_DIR}/packaging/debian/copyright)
 deb_files(deb_images usr/share/doc/heliograph-images ${CMAKE_SOURCE_DIR}/packaging/debian/copyright)
 deb_files(deb_load usr/share/doc/heliograph-load ${CMAKE_SOURCE_DIR}/packaging/debian/copyright)

@@ -42,10 +42,8 @@ deb() { basename -a "$build/packages/$1"_*.deb | sed 's,^,/packages/,'; }
 apt() { enter_root "$root" apt-get -q -y "$@"; }
 
 prepare() {
-    base_archive out/packaging/base.tar && mkdir -p "$root" && chmod 755 "$work" && tar -C "$root" -xf out/packaging/base.tar &&
-        mkdir -p "$root/proc" "$root/dev" "$root/packages" && mount -t proc proc "$root/proc" &&
-        mount --bind /dev "$root/dev" && cp -L /etc/resolv.conf "$root/etc/resolv.conf" &&
-        cp "$build"/packages/*.deb "$root/packages/" && apt update
+    chmod 755 "$work" && base_archive out/packaging/base.tar && unpack_base out/packaging/base.tar "$root" &&
+        mkdir -p "$root/packages" && cp "$build"/packages/*.deb "$root/packages/" && apt update
 }
 
 # The unit's sandbox as far as it can be had without systemd: its command and environment, a user of no account, no

@@ -27,6 +27,12 @@ SOURCES
     rm -rf "$root"
 }
 
+# unpack_base ARCHIVE FOLDER: a root to enter; /proc and /dev are the machine's.
+unpack_base() {
+    mkdir -p "$2" && tar -C "$2" -xf "$1" && mkdir -p "$2/proc" "$2/dev" && mount -t proc proc "$2/proc" &&
+        mount --bind /dev "$2/dev" && cp -L /etc/resolv.conf "$2/etc/resolv.conf"
+}
+
 # enter_root FOLDER COMMAND...: in the root, with nothing of the caller's environment.
 enter_root() {
     local root=$1
