@@ -1,6 +1,7 @@
 #include "server/scene/load/gltf_nodes.h"
 
 #include "server/base/error.h"
+#include "server/scene/load/far_origin.h"
 #include "server/scene/load/gltf_accessor.h"
 #include "server/scene/load/gltf_mesh.h"
 #include "server/scene/load/gltf_textures.h"
@@ -9,8 +10,10 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <set>
 
 namespace heliograph {
@@ -54,6 +57,17 @@ vec3 direction(const dmat4& m, int column, double sign) {
     return length > 0.0 ? vec3(axis * (sign / length)) : vec3(0.0f);
 }
 
+/// What stands for 1 in normalized integers.
+double largestOf(int componentType) {
+    switch (componentType) {
+        case TINYGLTF_COMPONENT_TYPE_BYTE: return 127.0;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 255.0;
+        case TINYGLTF_COMPONENT_TYPE_SHORT: return 32767.0;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 65535.0;
+        default: return 1.0;
+    }
+}
+
 class NodeWalker {
 public:
     NodeWalker(const GltfDocument& document, const std::vector<uint32_t>& materials, SceneBuilder& builder,
@@ -61,15 +75,32 @@ public:
         : document_(document), materials_(materials), builder_(builder), progress_(progress), reader_(document, builder) {}
 
     void walk() {
+        const std::vector<int> roots = rootNodes();
+        const dvec3 origin = originOf(roots);
+        if (origin != dvec3(0.0)) builder_.warn(movedBy(origin));
+        size_t visited = 0;
+        visit(roots, glm::translate(dmat4(1.0), -origin), [&](const tinygltf::Node& node, int index, const dmat4& toWorld) {
+            place(node, index, toWorld);
+            report(progress_, "nodes", double(++visited) / double(document_.model.nodes.size()));
+        });
+        std::set<int> drawn;
+        for (const auto& [key, parts] : parts_) drawn.insert(key.first);
+        const size_t left = document_.model.meshes.size() - drawn.size();
+        if (left > 0) builder_.warn(std::to_string(left) + " meshes are not placed by the scene: not read");
+    }
+
+private:
+    using Visitor = std::function<void(const tinygltf::Node& node, int index, const dmat4& toWorld)>;
+
+    /// The nodes from the roots on, parents before their children.
+    void visit(const std::vector<int>& roots, const dmat4& root, const Visitor& visitor) const {
         struct Step {
             int node;
             dmat4 toWorld;
             int depth;
         };
         std::vector<Step> steps;
-        const std::vector<int> roots = rootNodes();
-        for (size_t i = roots.size(); i-- > 0;) steps.push_back({roots[i], dmat4(1.0), 0});
-        size_t visited = 0;
+        for (size_t i = roots.size(); i-- > 0;) steps.push_back({roots[i], root, 0});
         while (!steps.empty()) {
             const Step step = steps.back();
             steps.pop_back();
@@ -78,17 +109,39 @@ public:
                                  "the node tree is deeper than " + std::to_string(DEEPEST_TREE));
             const tinygltf::Node& node = document_.model.nodes[static_cast<size_t>(step.node)];
             const dmat4 toWorld = step.toWorld * localTransform(node);
-            place(node, step.node, toWorld);
+            visitor(node, step.node, toWorld);
             for (size_t i = node.children.size(); i-- > 0;) steps.push_back({node.children[i], toWorld, step.depth + 1});
-            report(progress_, "nodes", double(++visited) / double(document_.model.nodes.size()));
         }
-        std::set<int> drawn;
-        for (const auto& [key, parts] : parts_) drawn.insert(key.first);
-        const size_t left = document_.model.meshes.size() - drawn.size();
-        if (left > 0) builder_.warn(std::to_string(left) + " meshes are not placed by the scene: not read");
     }
 
-private:
+    /// Where the scene has its own origin: by the boxes that the file says its meshes have, and by its first camera.
+    dvec3 originOf(const std::vector<int>& roots) const {
+        FarBox box;
+        std::optional<dvec3> camera;
+        visit(roots, dmat4(1.0), [&](const tinygltf::Node& node, int, const dmat4& toWorld) {
+            if (node.camera >= 0 && !camera) camera = dvec3(toWorld[3]);
+            if (node.mesh < 0) return;
+            for (const tinygltf::Primitive& primitive : document_.model.meshes[static_cast<size_t>(node.mesh)].primitives)
+                addBounds(primitive, toWorld, box);
+        });
+        const dvec3 origin = heliograph::originOf(box);
+        return origin == dvec3(0.0) && camera ? originNear(*camera) : origin;
+    }
+
+    void addBounds(const tinygltf::Primitive& primitive, const dmat4& toWorld, FarBox& box) const {
+        const auto found = primitive.attributes.find("POSITION");
+        if (found == primitive.attributes.end()) return;
+        const tinygltf::Accessor& accessor = document_.model.accessors[static_cast<size_t>(found->second)];
+        const std::vector<double>* ends[] = {&accessor.minValues, &accessor.maxValues};
+        if (ends[0]->size() != 3 || ends[1]->size() != 3) return;
+        const double unit = accessor.normalized ? largestOf(accessor.componentType) : 1.0;
+        for (unsigned corner = 0; corner < 8; corner++) {
+            glm::dvec4 at(0.0, 0.0, 0.0, 1.0);
+            for (unsigned k = 0; k < 3; k++) at[static_cast<int>(k)] = (*ends[corner >> k & 1])[k] / unit;
+            box.add(dvec3(toWorld * at));
+        }
+    }
+
     static std::string pointerOf(int node) { return "/nodes/" + std::to_string(node); }
 
     /// The default scene's roots; without scenes every node that is nobody's child.

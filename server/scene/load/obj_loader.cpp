@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/base/text.h"
+#include "server/scene/load/far_origin.h"
 #include "server/scene/load/file_folder.h"
 #include "server/scene/load/obj_file.h"
 #include "server/scene/load/obj_material.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <unordered_map>
 
@@ -22,8 +22,6 @@ using glm::dvec3;
 constexpr uint64_t MOST_OBJ_BYTES = uint64_t(1) << 30;
 constexpr uint64_t MOST_MTL_BYTES = uint64_t(16) << 20;
 constexpr size_t MOST_NAMED = 5;  // in a warning
-/// Where coordinates are so many times the object's size, as those of a map are, too few bits of a float are left for its shape.
-constexpr double FAR_AWAY = 256.0;
 
 std::string counted(const ObjFile::Count& count, const std::string& what) {
     return std::to_string(count.lines) + " " + what + " (the first in line " + std::to_string(count.first) + ")";
@@ -51,28 +49,12 @@ struct CornerHash {
     }
 };
 
-/// The middle of what the triangles use, in round numbers; 0 where that is near enough.
 dvec3 originOf(const ObjFile& obj) {
-    dvec3 low(INFINITY), high(-INFINITY);
+    FarBox box;
     for (const ObjTriangle& triangle : obj.triangles) {
-        for (const ObjCorner& corner : triangle.corners) {
-            const dvec3 at = obj.positions[static_cast<size_t>(corner.position)];
-            if (!std::isfinite(at.x + at.y + at.z)) continue;
-            low = glm::min(low, at);
-            high = glm::max(high, at);
-        }
+        for (const ObjCorner& corner : triangle.corners) box.add(obj.positions[static_cast<size_t>(corner.position)]);
     }
-    const double size = glm::length(high - low);
-    const dvec3 far = glm::max(glm::abs(low), glm::abs(high));
-    if (!std::isfinite(size) || !(size > 0.0) || std::max({far.x, far.y, far.z}) < FAR_AWAY * size) return dvec3(0.0);
-    const double step = std::exp2(std::floor(std::log2(size)));
-    return glm::round((low + high) * 0.5 / step) * step;
-}
-
-std::string inFull(double value) {
-    std::array<char, 64> text;
-    std::snprintf(text.data(), text.size(), "%.12g", value);
-    return text.data();
+    return originOf(box);
 }
 
 class ObjReader {
@@ -117,9 +99,7 @@ private:
     /// Rounds the positions to floats, about an origin of their own where they are far from 0.
     void place() {
         const dvec3 origin = originOf(obj_);
-        if (origin != dvec3(0.0))
-            builder_.warn("the coordinates are far from 0: moved by (" + inFull(-origin.x) + ", " + inFull(-origin.y) + ", " +
-                          inFull(-origin.z) + "), so that they keep their digits");
+        if (origin != dvec3(0.0)) builder_.warn(movedBy(origin));
         positions_.reserve(obj_.positions.size());
         for (const dvec3& position : obj_.positions) positions_.emplace_back(position - origin);
     }
