@@ -111,6 +111,9 @@ private:
         Clock::time_point since{};                                        // of the guest
         std::optional<Clock::time_point> wrongToken;                      // when that is answered
         std::optional<WireLedger> ledger;                                 // where the system tells what came
+        std::optional<uint64_t> consumedBefore;                           // bytes that were read when it was told to go
+        bool deaf = false;                                                // nothing more is read
+        std::optional<Clock::time_point> closeSent;                       // to who is not heard any more
     };
 
     static int callback(lws* wsi, lws_callback_reasons reason, void* user, void* in, size_t length);
@@ -150,7 +153,8 @@ private:
     void takeToken(lws* wsi, Viewer& viewer);
     void enter(lws* wsi, Viewer& viewer, bool authorized);
     void open(lws* wsi);
-    int write(lws* wsi, Connection& connection);
+    int write(lws* wsi, Viewer& viewer);
+    int sayGoodbye(lws* wsi, Viewer& viewer, CloseCode code, const std::string& reason);
     void sweep();
     bool inTime(lws* wsi, Viewer& viewer);
     void weigh(lws* wsi, Viewer& viewer);
@@ -162,6 +166,7 @@ private:
     void listenAgain();
     int receive(lws* wsi, Viewer& viewer, std::string_view piece);
     int closeWith(lws* wsi, CloseCode code, const std::string& reason);
+    int dismiss(lws* wsi, Viewer& viewer, CloseCode code, const std::string& reason);
     void leave(lws* wsi);
     void forget(lws* wsi);
 

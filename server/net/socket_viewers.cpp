@@ -14,6 +14,9 @@ namespace heliograph {
 namespace {
 
 constexpr std::chrono::microseconds SWEEP{250'000};  // between looks at the time limits of all
+constexpr std::chrono::milliseconds LINGER{500};     // between a close and the end of who is not heard any more
+constexpr size_t CLOSE_REASON = 120;                 // bytes; a close frame holds 125, two of them the code
+constexpr uint64_t READ_AFTER_CLOSE = 65536;         // bytes, of who is to go and may answer that
 constexpr const char* UNMASKED = "frames without a mask, or before the handshake was answered";
 constexpr const char* TOO_MANY = "too many messages";
 
@@ -84,7 +87,7 @@ int SocketLoop::viewer(lws* wsi, lws_callback_reasons reason, std::string_view i
     std::shared_ptr<Connection> connection = found->second.connection;
     Viewer& viewer = found->second;
     switch (reason) {
-        case LWS_CALLBACK_SERVER_WRITEABLE: return write(wsi, *connection);
+        case LWS_CALLBACK_SERVER_WRITEABLE: return write(wsi, viewer);
         case LWS_CALLBACK_RECEIVE: return receive(wsi, viewer, in);
         case LWS_CALLBACK_CLOSED: leave(wsi); return 0;
         default: return 0;
@@ -143,12 +146,17 @@ void SocketLoop::wrongToken(const std::string& address) {
     if (wrongNotes_.take(1.0, wallSeconds())) log().warn("wrong token from {}", address);
 }
 
-int SocketLoop::write(lws* wsi, Connection& connection) {
+int SocketLoop::write(lws* wsi, Viewer& viewer) {
+    Connection& connection = *viewer.connection;
+    if (viewer.closeSent) return 0;
     if (lws_send_pipe_choked(wsi)) {
         lws_callback_on_writable(wsi);
         return 0;
     }
-    if (auto closing = connection.closing()) return closeWith(wsi, closing->code, closing->reason);
+    if (auto closing = connection.closing()) {
+        if (!viewer.deaf) return closeWith(wsi, closing->code, closing->reason);
+        return sayGoodbye(wsi, viewer, closing->code, closing->reason);
+    }
     auto piece = connection.nextPiece(std::chrono::steady_clock::now());
     if (!piece) return 0;
     int mode = lws_write_ws_flags(piece->text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY, piece->first, piece->last);
@@ -162,6 +170,7 @@ int SocketLoop::write(lws* wsi, Connection& connection) {
 }
 
 int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
+    if (viewer.deaf) return 0;
     lws_validity_confirmed(wsi);  // who speaks need not be pinged
     const size_t left = lws_remaining_packet_payload(wsi);
     const bool last = lws_is_final_fragment(wsi) && left == 0;
@@ -170,7 +179,7 @@ int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
         viewer.ledger->delivered(piece.size(), left);
         // Later ones are found by the sweep.
         const auto consumed = first ? consumedBytes(lws_get_socket_fd(wsi)) : std::nullopt;
-        if (consumed && viewer.ledger->unmasked(*consumed)) return closeWith(wsi, CloseCode::protocolError, UNMASKED);
+        if (consumed && viewer.ledger->unmasked(*consumed)) return dismiss(wsi, viewer, CloseCode::protocolError, UNMASKED);
     }
     std::optional<CloseCode> fault = viewer.connection->receive(piece, lws_frame_is_binary(wsi), last, wallSeconds());
     if (!fault && !last && left == 0 && !viewer.connection->countMessages(1.0, wallSeconds()))
@@ -180,12 +189,40 @@ int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
     const char* reason = *fault == CloseCode::messageTooBig     ? "a message has at most 64 KiB"
                          : *fault == CloseCode::unsupportedData ? "messages are text"
                                                                 : TOO_MANY;
-    return closeWith(wsi, *fault, reason);
+    return dismiss(wsi, viewer, *fault, reason);
+}
+
+/// Closes for a rule that was broken: nothing more is read. Not at once, as the library sends no close frame behind what it
+/// has not got out yet. Returns 0.
+int SocketLoop::dismiss(lws* wsi, Viewer& viewer, CloseCode code, const std::string& reason) {
+    viewer.deaf = true;
+    // For good, and at once: in what is being handled, too.
+    lws_rx_flow_control(wsi,
+                        LWS_RXFLOW_REASON_APPLIES_DISABLE | LWS_RXFLOW_REASON_USER_BOOL | LWS_RXFLOW_REASON_FLAG_PROCESS_NOW);
+    viewer.connection->close(code, reason);
+    return 0;
+}
+
+/// Sends a close frame and keeps the connection for a moment: it would end with a reset for what was not read, at which some
+/// systems forget what has come before.
+int SocketLoop::sayGoodbye(lws* wsi, Viewer& viewer, CloseCode code, const std::string& reason) {
+    viewer.connection->closedWith = code;
+    viewer.closeSent = Clock::now();
+    const auto number = static_cast<uint16_t>(code);
+    const std::string said = reason.substr(0, CLOSE_REASON);
+    // The library sends a frame like this only where it ends the connection itself.
+    std::string frame(LWS_PRE, '\0');
+    frame += {static_cast<char>(0x88), static_cast<char>(said.size() + 2), static_cast<char>(number >> 8),
+              static_cast<char>(number & 255)};
+    frame += said;
+    const size_t bytes = frame.size() - LWS_PRE;
+    auto* data = reinterpret_cast<unsigned char*>(frame.data()) + LWS_PRE;
+    return lws_write(wsi, data, bytes, LWS_WRITE_RAW) < static_cast<int>(bytes) ? -1 : 0;
 }
 
 int SocketLoop::closeWith(lws* wsi, CloseCode code, const std::string& reason) {
     if (auto found = viewers_.find(wsi); found != viewers_.end()) found->second.connection->closedWith = code;
-    std::string text = reason.substr(0, 120);  // a close frame holds 125 bytes, two of them the code
+    std::string text = reason.substr(0, CLOSE_REASON);
     lws_close_reason(wsi, static_cast<lws_close_status>(code), reinterpret_cast<unsigned char*>(text.data()), text.size());
     return -1;
 }
@@ -218,7 +255,8 @@ void SocketLoop::sweep() {
         weigh(wsi, viewer);
         if (inTime(wsi, viewer)) continue;
         // A close frame would wait behind what is not taken, so the connection is cut.
-        viewer.connection->closedWith = viewer.connection->closeAsked().value_or(CloseCode::stalled);
+        if (!viewer.connection->closedWith)
+            viewer.connection->closedWith = viewer.connection->closeAsked().value_or(CloseCode::stalled);
         lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
     }
     sweepLinks();
@@ -237,12 +275,19 @@ void SocketLoop::sweepGuest(Viewer& viewer) {
 
 /// Looks at what came beside messages; the library does not tell of it.
 void SocketLoop::weigh(lws* wsi, Viewer& viewer) {
-    if (!viewer.ledger || viewer.connection->closeAsked()) return;
-    const auto consumed = consumedBytes(lws_get_socket_fd(wsi));
+    const auto consumed = viewer.ledger && !viewer.deaf ? consumedBytes(lws_get_socket_fd(wsi)) : std::nullopt;
     if (!consumed) return;
-    if (viewer.ledger->unmasked(*consumed)) return viewer.connection->close(CloseCode::protocolError, UNMASKED);
+    if (viewer.closeAsked) {
+        if (!viewer.consumedBefore) viewer.consumedBefore = *consumed;
+        if (*consumed - *viewer.consumedBefore > READ_AFTER_CLOSE) dismiss(wsi, viewer, CloseCode::policyViolation, TOO_MANY);
+        return;
+    }
+    if (viewer.ledger->unmasked(*consumed)) {
+        dismiss(wsi, viewer, CloseCode::protocolError, UNMASKED);
+        return;
+    }
     if (!viewer.connection->countMessages(viewer.ledger->unaccounted(*consumed), wallSeconds()))
-        viewer.connection->close(CloseCode::policyViolation, TOO_MANY);
+        dismiss(wsi, viewer, CloseCode::policyViolation, TOO_MANY);
 }
 
 bool SocketLoop::inTime(lws* wsi, Viewer& viewer) {
@@ -250,6 +295,9 @@ bool SocketLoop::inTime(lws* wsi, Viewer& viewer) {
     if (!viewer.closeAsked && viewer.connection->closeAsked()) viewer.closeAsked = now;
     if (viewer.closeAsked && now - *viewer.closeAsked > options_.times.close) return false;
     const bool waits = viewer.connection->hasOutput() || lws_partial_buffered(wsi);
+    // An answer to the close would not be read, so it is not waited for: only until the other side has the close.
+    const bool lingered = viewer.closeSent && now - *viewer.closeSent > LINGER;
+    if (lingered && !lws_partial_buffered(wsi) && heldBytes(lws_get_socket_fd(wsi)) == 0) return false;
     return !viewer.writes.stalled(now, waits, takenBytes(wsi), options_.times.write);
 }
 

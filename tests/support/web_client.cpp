@@ -2,6 +2,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -48,6 +49,17 @@ WebClient::WebClient(const std::string& path) : fd_(patientSocket(AF_UNIX)) {
 bool WebClient::untilClosed() {
     char byte;
     return buffer_.empty() && recv(fd_, &byte, 1, 0) <= 0 && errno != EAGAIN;
+}
+
+void WebClient::flood(const std::string& bytes, std::atomic<size_t>& sent) {
+    constexpr int PATIENCE = 20'000;  // ms
+    while (true) {
+        const size_t at = sent % bytes.size();
+        const ssize_t count = ::send(fd_, bytes.data() + at, bytes.size() - at, MSG_NOSIGNAL | MSG_DONTWAIT);
+        pollfd writable{fd_, POLLOUT, 0};
+        if (count > 0) sent += static_cast<size_t>(count);
+        else if (errno != EAGAIN || poll(&writable, 1, PATIENCE) <= 0) return;
+    }
 }
 
 size_t WebClient::take(size_t most) {

@@ -2,6 +2,7 @@
 // A small HTTP and WebSocket client over a blocking socket, for tests of the server: it also says things that a browser
 // never would.
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -48,6 +49,9 @@ public:
     HttpAnswer readAnswer();
     /// Waits until the server has closed; false if it sends something instead.
     bool untilClosed();
+    /// Sends the bytes again and again until the connection has ended or takes nothing for 20 s. `sent`: how many were taken,
+    /// by the system's buffers among others. From another thread than receive().
+    void flood(const std::string& bytes, std::atomic<size_t>& sent);
     /// Takes at most so many bytes of what is there, and forgets them. Returns how many.
     size_t take(size_t most);
 

@@ -9,7 +9,8 @@ namespace heliograph {
 /// Bytes that the other side has acknowledged; 0 where the system does not tell.
 uint64_t acknowledgedBytes(int socket);
 
-/// Bytes that were written to a unix socket and not read yet, with what the system keeps around them; 0 where it does not tell.
+/// Bytes that were written and that the other side has not acknowledged, of a unix socket: not read, with what the system keeps
+/// around them. 0 where it does not tell.
 uint64_t heldBytes(int socket);
 
 /// Bytes that have come and were read from the socket, TLS and all; its end counts as one. Nothing where the system does not

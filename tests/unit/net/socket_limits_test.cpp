@@ -25,6 +25,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::HttpAnswer;
+using test::maskedFrame;
 using test::until;
 using test::WebClient;
 using testing::HasSubstr;
@@ -127,6 +128,59 @@ TEST(SocketLimits, AViewerThatStopsReadingAndSendsNothingIsCut) {
     EXPECT_EQ(s.handler.lastCode, 4008);
     neighbour.sendText("here");
     EXPECT_EQ(neighbour.receive()->bytes, "here");
+}
+
+/// Frames of which a few are harmless.
+std::vector<std::string> floods() {
+    std::vector<std::string> all;
+    for (const std::string& frame : {maskedFrame(1, "camera camera"), maskedFrame(1, std::string(60'000, 'x')),
+                                     maskedFrame(9, std::string(100, 'p')), maskedFrame(10, ""), maskedFrame(0, "", false)}) {
+        all.emplace_back();
+        while (all.back().size() < 100'000) all.back() += frame;
+    }
+    return all;
+}
+
+TEST(SocketLimits, WhoFloodsIsToldWhyAndNotReadAnyMore) {
+    constexpr size_t BUFFERS = 24u << 20;  // bytes; of the system, between the two
+    Server s;
+    WebClient neighbour(s.port());
+    ASSERT_EQ(neighbour.upgrade(OURS).status, 101);
+    int closes = 0;
+    for (const std::string& frames : floods()) {
+        WebClient client(s.port());
+        ASSERT_EQ(client.upgrade(OURS).status, 101);
+        client.sendFrame(1, "", frames[0] != 0);  // a fragment continues something
+        std::atomic<size_t> sent{0};
+        std::thread sender([&] { client.flood(frames, sent); });
+        std::optional<test::WebMessage> last;
+        do last = client.receive();
+        while (last && last->opcode != 8);
+        const size_t before = sent;
+        EXPECT_EQ(last ? last->closeCode() : 0, 1008);
+        ASSERT_TRUE(until([&] { return s.handler.closes == closes + 1; })) << "it is cut, though it does not answer the close";
+        closes++;
+        sender.join();
+        EXPECT_LT(sent - before, BUFFERS);
+        EXPECT_EQ(s.handler.lastCode, 1008);
+    }
+    neighbour.sendText("here");
+    EXPECT_EQ(neighbour.receive()->bytes, "here");
+}
+
+TEST(SocketLimits, WhoFloodsAndDoesNotReadIsCut) {
+    Server s;
+    int closes = 0;
+    for (const std::string& frames : floods()) {
+        WebClient client(s.port());
+        ASSERT_EQ(client.upgrade(OURS).status, 101);
+        client.sendFrame(1, "", frames[0] != 0);
+        std::atomic<size_t> sent{0};
+        client.flood(frames, sent);
+        ASSERT_TRUE(until([&] { return s.handler.closes == closes + 1; }));
+        closes++;
+        EXPECT_EQ(s.handler.lastCode, 1008);
+    }
 }
 
 TEST(SocketLimits, AViewerThatIsToldToGoButDoesNotReadIsCut) {
