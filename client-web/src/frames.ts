@@ -10,34 +10,52 @@ import type { ViewerState } from './viewer_state.js';
 export interface FrameHooks {
   /** Decodes and shows it; answers by `presented` or `dropped`, unless the connection ends. */
   show(frame: Frame): void;
-  /** `presentedMs`: motion to photon; null where it shows no new input or was not shown. */
-  acknowledge(frameId: number, presentedMs: number | null): void;
+  /**
+   * `presentedMs`: motion to photon; null where it shows no new input or was not shown. `shownMs`: from its arrival until
+   * it was shown or dropped.
+   */
+  acknowledge(frameId: number, presentedMs: number | null, shownMs: number | null): void;
   undecodable(frame: Frame): void;
 }
 
 export class Frames {
+  private readonly arrivals_ = new Map<number, number>(); // frame id: ms; of frames that are not acknowledged yet
+
   constructor(
     private readonly state_: Pick<ViewerState, 'lastFrame' | 'framesPresented' | 'framesDropped'>,
     private readonly meter_: StreamMeter,
     private readonly hooks_: FrameHooks,
   ) {}
 
-  /** `hidden`: the frame shows another scene than the one that is looked at. */
-  arrived(frame: Frame, hidden: boolean): void {
-    if (hidden) this.dropped(frame, 'newer');
+  /** `hidden`: the frame shows another scene than the one that is looked at. `time`: of its arrival, ms. */
+  arrived(frame: Frame, hidden: boolean, time: number): void {
+    this.arrivals_.set(frame.frameId, time);
+    if (hidden) this.dropped(frame, 'newer', time);
     else this.hooks_.show(frame);
   }
 
   presented({ frame, decodeMs, time }: Presentation): void {
     const latency = this.meter_.presented(frame, decodeMs, time);
-    this.hooks_.acknowledge(frame.frameId, latency !== null && latency <= LONGEST_PRESENTED_MS ? latency : null);
+    this.acknowledge(frame.frameId, latency !== null && latency <= LONGEST_PRESENTED_MS ? latency : null, time);
     this.state_.lastFrame = frame;
     this.state_.framesPresented += 1;
   }
 
-  dropped(frame: Frame, reason: 'newer' | 'undecodable'): void {
+  dropped(frame: Frame, reason: 'newer' | 'undecodable', time: number): void {
     this.state_.framesDropped += 1;
-    this.hooks_.acknowledge(frame.frameId, null);
+    this.acknowledge(frame.frameId, null, time);
     if (reason === 'undecodable') this.hooks_.undecodable(frame);
+  }
+
+  /** The connection has ended: frame ids begin anew with the next one. */
+  reset(): void {
+    this.arrivals_.clear();
+  }
+
+  private acknowledge(frameId: number, presentedMs: number | null, time: number): void {
+    const arrival = this.arrivals_.get(frameId);
+    this.arrivals_.delete(frameId);
+    const shownMs = arrival === undefined ? null : Math.min(Math.max(0, time - arrival), LONGEST_PRESENTED_MS);
+    this.hooks_.acknowledge(frameId, presentedMs, shownMs);
   }
 }

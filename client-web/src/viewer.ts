@@ -64,7 +64,8 @@ export class Viewer {
     this.state = initialState(resolutionMode);
     this.frames_ = new Frames(this.state, this.stream, {
       show: (frame) => this.display_.push(frame),
-      acknowledge: (frameId, presentedMs) => this.connection_.send({ type: 'ack', frameId, presentedMs }),
+      acknowledge: (frameId, presentedMs, shownMs) =>
+        this.connection_.send({ type: 'ack', frameId, presentedMs, shownMs }),
       undecodable: ({ frameId, codec }) =>
         this.onMessage({ kind: 'error', text: `Frame ${frameId} could not be decoded (${codec}).` }),
     });
@@ -74,7 +75,7 @@ export class Viewer {
         this.frames_.presented(presentation);
         this.emit('frame');
       },
-      dropped: (frame, reason) => this.frames_.dropped(frame, reason),
+      dropped: (frame, reason) => this.frames_.dropped(frame, reason, performance.now()),
     });
     const hooks = {
       state: (state: ConnectionState) => this.connectionChanged(state),
@@ -212,6 +213,7 @@ export class Viewer {
       this.stream.roundTrips.clear();
     } else if (state.name === 'waiting' || state.name === 'stopped') {
       this.display_.reset();
+      this.frames_.reset();
       this.partition.forget();
       this.effectCosts.disconnected();
       this.stream.motionToPhoton.reset();
@@ -255,10 +257,15 @@ export class Viewer {
       case 'error':
         return this.error(message.message, message.about, message.inputId);
       case 'pong':
-        return this.stream.roundTrips.push(performance.now() - message.time);
+        return this.pong(performance.now() - message.time);
       case undefined:
         return; // a message of a kind that this page does not know
     }
+  }
+
+  private pong(roundTripMs: number): void {
+    this.stream.roundTrips.push(roundTripMs);
+    this.connection_.roundTripMs = roundTripMs;
   }
 
   private hello(hello: Hello): void {
@@ -369,7 +376,7 @@ export class Viewer {
     this.stream.receivedRate.push(performance.now(), buffer.byteLength);
     if (frame.kind === 'frame') {
       // While the scene from before a reconnect is on its way, frames show the server's own: not what was looked at.
-      this.frames_.arrived(frame, this.restoring_.active);
+      this.frames_.arrived(frame, this.restoring_.active, performance.now());
       return;
     }
     this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);

@@ -14,7 +14,7 @@ function frames() {
   const [shown, acked, broken]: [number[], string[], number[]] = [[], [], []];
   const flow = new Frames(state, meter, {
     show: ({ frameId }) => shown.push(frameId),
-    acknowledge: (frameId, presentedMs) => acked.push(`${frameId} ${presentedMs}`),
+    acknowledge: (frameId, presentedMs, shownMs) => acked.push(`${frameId} ${presentedMs} ${shownMs}`),
     undecodable: ({ frameId }) => broken.push(frameId),
   });
   return { state, meter, flow, shown, acked, broken };
@@ -23,10 +23,10 @@ function frames() {
 test('Frames: a frame is acknowledged when it was presented, not when it came', () => {
   const { state, meter, flow, shown, acked } = frames();
   meter.motionToPhoton.sent(5, 1000);
-  flow.arrived(frame(1, 5), false);
+  flow.arrived(frame(1, 5), false, 1028);
   assert.deepEqual([shown, acked, state.framesPresented], [[1], [], 0]);
   flow.presented({ frame: frame(1, 5), decodeMs: 2, time: 1040 });
-  assert.deepEqual(acked, ['1 40']);
+  assert.deepEqual(acked, ['1 40 12']);
   assert.equal(state.lastFrame?.frameId, 1);
   assert.equal(state.framesPresented, 1);
 });
@@ -34,14 +34,15 @@ test('Frames: a frame is acknowledged when it was presented, not when it came', 
 test('Frames: a frame with no new input is acknowledged without a time', () => {
   const { flow, acked } = frames();
   flow.presented({ frame: frame(1), decodeMs: 2, time: 10 });
-  assert.deepEqual(acked, ['1 null']);
+  assert.deepEqual(acked, ['1 null null']);
 });
 
 test('Frames: what is dropped is acknowledged once, and only what cannot be decoded is told', () => {
   const { state, flow, acked, broken } = frames();
-  flow.dropped(frame(1), 'newer');
-  flow.dropped(frame(2), 'undecodable');
-  assert.deepEqual(acked, ['1 null', '2 null']);
+  flow.arrived(frame(1), false, 10);
+  flow.dropped(frame(1), 'newer', 14);
+  flow.dropped(frame(2), 'undecodable', 15);
+  assert.deepEqual(acked, ['1 null 4', '2 null null']);
   assert.deepEqual(broken, [2]);
   assert.equal(state.framesDropped, 2);
   assert.equal(state.lastFrame, null);
@@ -49,8 +50,8 @@ test('Frames: what is dropped is acknowledged once, and only what cannot be deco
 
 test('Frames: a frame of another scene than the one looked at is acknowledged and not shown', () => {
   const { state, flow, shown, acked } = frames();
-  flow.arrived(frame(7), true);
-  assert.deepEqual([shown, acked, state.framesDropped], [[], ['7 null'], 1]);
+  flow.arrived(frame(7), true, 3);
+  assert.deepEqual([shown, acked, state.framesDropped], [[], ['7 null 0'], 1]);
 });
 
 const word = (name: string): SceneMessage => ({ type: 'scene', name, state: 'ready', what: '', share: 1, ready: null });

@@ -51,6 +51,8 @@ class FrameReceiver {
 public:
     virtual ~FrameReceiver() = default;
     virtual Readiness readiness() = 0;
+    /// Steps (pace/moving_scale.h) by which pictures of a moving view should be smaller, for the line.
+    virtual uint32_t coarser() { return 0; }
     /// Pictures are not subject to credit, only to `busy`.
     virtual void take(FinishedFrame&& frame) = 0;
     /// A run along the path is over, or was asked to end before it began (no frames then).

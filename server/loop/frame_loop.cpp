@@ -88,6 +88,11 @@ void FrameLoop::stop() {
     if (pass_.running) pass_.stop.request_stop();
 }
 
+ScaleFigures FrameLoop::scale() const {
+    std::lock_guard lock(mutex_);
+    return pace_.figures();
+}
+
 std::optional<RunningStage> FrameLoop::stage(uint32_t viewer) const {
     if (const std::optional<double> seconds = passes_.held()) return RunningStage{viewer, "render", *seconds};
     return stages_.running(viewer);
@@ -122,7 +127,9 @@ void FrameLoop::giveUp(const char* why) {
 }
 
 uint64_t FrameLoop::takeNews() {
+    const uint32_t coarser = receiver_.coarser();
     std::unique_lock lock(mutex_);
+    pace_.setLineSteps(coarser);
     const bool sceneChanged = std::exchange(sceneChanged_, false);
     if (sceneChanged) {
         resident_ = std::move(newScene_);

@@ -39,6 +39,8 @@ public:
     void stop();
     /// Seconds that this loop and that all loops have used the device.
     Turns::Used used() const { return passes_.used(); }
+    /// By how much pictures are smaller while the viewer moves.
+    ScaleFigures scale() const;
     /// What it is at that may last: the device has the thread. `viewer`: for whom.
     std::optional<RunningStage> stage(uint32_t viewer) const;
 

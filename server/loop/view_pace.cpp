@@ -22,13 +22,14 @@ double pixelsOf(const ViewRequest& view) {
 
 }  // namespace
 
-bool ViewPace::lowers(const ViewRequest& request) const {
-    return request.settings.automaticScale && (request.moving || lowered_) && choice_.step > 0;
+uint32_t ViewPace::stepsFor(const ViewRequest& request) const {
+    return request.settings.automaticScale && (request.moving || lowered_) ? choice_.step + lineSteps_ : 0;
 }
 
 ViewRequest ViewPace::paced(ViewRequest request) const {
-    if (!lowers(request)) return request;
-    const float scale = request.settings.renderScale * static_cast<float>(scaleOf(choice_.step));
+    const uint32_t steps = stepsFor(request);
+    if (steps == 0) return request;
+    const float scale = request.settings.renderScale * static_cast<float>(scaleOf(steps));
     request.settings.renderScale = std::min(request.settings.renderScale, std::max(scale, LEAST_SCALE));
     return request;
 }
@@ -51,6 +52,10 @@ void ViewPace::passed(const ViewRequest& view, double seconds) {
 
 void ViewPace::delivered(const ViewRequest& view) {
     if (!view.moving && !newest_.moving) lowered_ = false;
+}
+
+ScaleFigures ViewPace::figures() const {
+    return {newest_.settings.automaticScale ? choice_.step : 0, cost_.perPixel() * pixelsOf(newest_)};
 }
 
 void ViewPace::forget() { cost_.forget(); }

@@ -8,6 +8,12 @@
 
 namespace heliograph {
 
+/// What a moving view is made smaller for by what passes cost.
+struct ScaleFigures {
+    uint32_t step = 0;         // of moving_scale.h; 0: full
+    double fullSeconds = 0.0;  // of a pass at the size that was asked for, predicted; 0: not known
+};
+
 class ViewPace {
 public:
     using Clock = std::chrono::steady_clock;
@@ -20,15 +26,19 @@ public:
     void passed(const ViewRequest& view, double seconds);
     /// A picture of this view was handed over.
     void delivered(const ViewRequest& view);
+    /// Steps that pictures are smaller for the line, beside those for what passes cost.
+    void setLineSteps(uint32_t steps) { lineSteps_ = steps; }
+    ScaleFigures figures() const;
     /// Another scene: nothing is known of it.
     void forget();
 
 private:
-    bool lowers(const ViewRequest& request) const;
+    uint32_t stepsFor(const ViewRequest& request) const;
 
     PixelCost cost_;
     ViewRequest newest_;  // as it was asked for; cost_ is of passes with its settings
     ScaleChoice choice_;
+    uint32_t lineSteps_ = 0;
     bool lowered_ = false;  // the viewer moves, or the end of a motion is not answered yet
 };
 

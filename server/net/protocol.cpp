@@ -116,13 +116,19 @@ void read(const Fields& fields, ResolutionMessage& message) {
 
 void read(const Fields& fields, SceneMessage& message) { message.name = fields.text("name", SCENE_NAME_LIMIT); }
 
+/// A time that a viewer may leave out.
+std::optional<double> milliseconds(const Fields& fields, const char* name) {
+    if (fields.isNull(name)) return std::nullopt;
+    const double ms = fields.number(name);
+    if (ms < 0.0 || ms > MAX_PRESENTED_MS)
+        fields.refuse(name, nlohmann::json(ms).dump(), "0 to " + std::to_string(MAX_PRESENTED_MS) + ", or null");
+    return ms;
+}
+
 void read(const Fields& fields, AckMessage& message) {
     message.frameId = fields.uint("frameId");
-    if (fields.isNull("presentedMs")) return;
-    const double ms = fields.number("presentedMs");
-    if (ms < 0.0 || ms > MAX_PRESENTED_MS)
-        fields.refuse("presentedMs", nlohmann::json(ms).dump(), "0 to " + std::to_string(MAX_PRESENTED_MS) + ", or null");
-    message.presentedMs = ms;
+    message.presentedMs = milliseconds(fields, "presentedMs");
+    message.shownMs = milliseconds(fields, "shownMs");
 }
 
 void read(const Fields& fields, PictureMessage& message) {
@@ -134,7 +140,10 @@ void read(const Fields& fields, PictureMessage& message) {
 }
 
 void read(const Fields& fields, PathMessage& message) { message.playing = fields.boolean("playing"); }
-void read(const Fields& fields, PingMessage& message) { message.time = fields.number("time"); }
+void read(const Fields& fields, PingMessage& message) {
+    message.time = fields.number("time");
+    message.roundTripMs = milliseconds(fields, "roundTripMs");
+}
 void read(const Fields& fields, TokenMessage& message) { message.token = fields.text("token", TOKEN_LIMIT); }
 void read(const Fields&, EffectCostsMessage&) {}
 

@@ -61,6 +61,7 @@ struct AckMessage {
     static constexpr const char* TYPE = "ack";
     uint32_t frameId = 0;
     std::optional<double> presentedMs;
+    std::optional<double> shownMs = {};  // from its arrival until it was seen
 };
 struct PictureMessage {
     static constexpr const char* TYPE = "picture";
@@ -73,6 +74,7 @@ struct PathMessage {
 struct PingMessage {
     static constexpr const char* TYPE = "ping";
     double time = 0.0;
+    std::optional<double> roundTripMs = {};  // of the ping before
 };
 struct TokenMessage {
     static constexpr const char* TYPE = "token";

@@ -1,5 +1,7 @@
 #include "server/stream/messages.h"
 
+#include "server/pace/bottleneck.h"
+#include "server/pace/quality_ladder.h"
 #include "server/request/device_rows.h"
 #include "server/request/effect_rules.h"
 #include "server/base/version.h"
@@ -30,6 +32,19 @@ std::string text(const json& message) { return message.dump(-1, ' ', false, json
 
 /// JSON has no infinity; figures that were never measured are 0.
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
+
+/// What pictures are made smaller or worse for, and by how much.
+json paceJson(const LineFigures& line, const ScaleFigures& scale) {
+    const PaceFigures figures{scale.step > 0, line.level, line.lineDelay, line.viewerDelay};
+    return {{"limit", wordOf(bottleneckOf(figures))},
+            {"scale", scaleOf(scale.step + scaleStepsAt(line.level))},
+            {"quality", line.quality},
+            {"fullMs", 1e3 * finite(scale.fullSeconds)},
+            {"roundTripMs", 1e3 * finite(line.roundTrip)},
+            {"lineMs", 1e3 * finite(line.lineDelay)},
+            {"viewerMs", 1e3 * finite(line.viewerDelay)},
+            {"bytesPerSecond", finite(line.bytesPerSecond)}};
+}
 
 /// Who took part in a pass, who did not and why.
 json partsJson(const ScheduleReport& report) {
@@ -159,7 +174,8 @@ std::string statsMessage(const ViewerStats& s) {
                     {"viewers", s.viewers},
                     {"watchers", s.watchers},
                     {"residentBytes", s.residentBytes},
-                    {"nonfiniteSamples", s.nonfiniteSamples}};
+                    {"nonfiniteSamples", s.nonfiniteSamples},
+                    {"pace", paceJson(s.line, s.scale)}};
     if (!s.schedule.devices.empty()) {
         message["parts"] = partsJson(s.schedule);
         message["scheduler"] = {{"endLossMs", 1e3 * finite(s.schedule.endLoss())},

@@ -5,6 +5,7 @@
 #include "server/request/setting_caps.h"
 #include "server/net/protocol.h"
 #include "server/loop/effect_meter.h"
+#include "server/loop/view_pace.h"
 #include "server/film/partition.h"
 #include "server/schedule/schedule_report.h"
 #include "server/loop/path_run.h"
@@ -17,6 +18,16 @@
 namespace heliograph {
 
 /// Figures of one viewer over about the last half second. Milliseconds are means per frame sent.
+/// What lies between server and eye, as it was measured.
+struct LineFigures {
+    double roundTrip = 0.0;       // seconds, the least of the last ten
+    double bytesPerSecond = 0.0;  // the most that was delivered; no more than was sent
+    double lineDelay = 0.0;       // seconds that pictures of a moving view queue on the line
+    double viewerDelay = 0.0;     // and take longer in the viewer than they must
+    uint32_t level = 0;           // of the quality ladder
+    uint32_t quality = 0;         // JPEG quality while the view moves
+};
+
 struct ViewerStats {
     std::string device;  // that made the last frame
     double framesPerSecond = 0.0;
@@ -36,6 +47,8 @@ struct ViewerStats {
     uint64_t residentBytes = 0;     // of the server
     uint64_t nonfiniteSamples = 0;  // since the viewer connected
     ScheduleReport schedule;        // of the last pass of hybrid; else without devices
+    LineFigures line;
+    ScaleFigures scale;
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.

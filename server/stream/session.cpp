@@ -110,6 +110,11 @@ void Session::refuse(const InputError& error, const std::string& about, std::opt
     viewer_.say(errorMessage(error.what(), about, inputId));
 }
 
+void Session::handle(const PingMessage& message) {
+    if (message.roundTripMs) viewer_.pinged(*message.roundTripMs * 1e-3);
+    viewer_.say(pongMessage(message.time));
+}
+
 void Session::handle(const TokenMessage& message) {
     if (authorized_) return;  // none is needed, or it was given before
     if (!sameSecret(message.token, options_.token)) {

@@ -55,7 +55,7 @@ private:
     template <typename Message>
     void handle(const Message& message);
     void handle(const AckMessage& message) { viewer_.acknowledge(message); }
-    void handle(const PingMessage& message) { viewer_.say(pongMessage(message.time)); }
+    void handle(const PingMessage& message);
     void handle(const TokenMessage& message);
     void handle(const WatchMessage& message);
 

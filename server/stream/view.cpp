@@ -134,6 +134,12 @@ Readiness View::readiness() {
     return together(all, filmsOut());
 }
 
+/// By the line of who drives: others have what that one sees, as often as their lines allow.
+uint32_t View::coarser() {
+    std::lock_guard lock(mutex_);
+    return seats_.empty() ? 0 : seats_.front().viewer->coarser();
+}
+
 /// Different films that are being made into bytes or are kept.
 size_t View::filmsOut() const {
     std::set<std::weak_ptr<const Film>, std::owner_less<>> films;
@@ -249,6 +255,7 @@ std::optional<ViewerStats> View::stats(Viewer& viewer, double seconds) const {
     ViewerStats stats = viewer.takeStats(seconds, loop_.used());
     if (stats.device.empty()) stats.device = scene_->renderer->info().name;
     stats.watchers = seats_.empty() ? 0 : seats_.size() - 1;
+    stats.scale = loop_.scale();
     return stats;
 }
 

@@ -70,6 +70,7 @@ private:
 
     // FrameReceiver
     Readiness readiness() override;
+    uint32_t coarser() override;
     void take(FinishedFrame&& frame) override;
     void pathEnded(const FrameSummary& result) override;
     void focused(const FocusRequest& request, const DepthAnswer& answer) override;

@@ -12,6 +12,15 @@ namespace {
 constexpr uint32_t FINAL_QUALITY = 92;    // least JPEG quality of the last frame of a view
 constexpr uint32_t PICTURE_QUALITY = 95;  // of a JPEG that was asked for
 
+double secondsOf(Viewer::Clock::time_point time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
+double secondsNow() { return secondsOf(Viewer::Clock::now()); }
+
+bool stalledSince(std::optional<double> oldest, double now) {
+    return oldest && now - *oldest > std::chrono::duration<double>(STALL_PAUSE).count();
+}
+
+void smooth(double& value, double newest) { value = value > 0.0 ? 0.8 * value + 0.2 * newest : newest; }
+
 FrameCodec codecOf(PictureFormat format) {
     switch (format) {
         case PictureFormat::exr: return FrameCodec::exr;
@@ -39,14 +48,14 @@ void Viewer::setQuality(uint32_t quality) {
 Readiness Viewer::readiness() const {
     if (encoder_.busy()) return Readiness::busy;
     std::lock_guard lock(mutex_);
-    if (flights_.size() < MAX_UNACKED) return Readiness::ready;
-    return Clock::now() - flights_.front().since > STALL_PAUSE ? Readiness::stalled : Readiness::noCredit;
+    if (line_.room(frameSeconds_, MAX_UNACKED)) return Readiness::ready;
+    return stalledSince(line_.oldest(), secondsNow()) ? Readiness::stalled : Readiness::noCredit;
 }
 
 bool Viewer::nothingOnItsWay() const {
     if (encoder_.busy()) return false;
     std::lock_guard lock(mutex_);
-    return flights_.empty() || Clock::now() - flights_.front().since > STALL_PAUSE;
+    return line_.underWay() == 0 || stalledSince(line_.oldest(), secondsNow());
 }
 
 void Viewer::take(FinishedFrame frame) {
@@ -55,11 +64,29 @@ void Viewer::take(FinishedFrame frame) {
     {
         std::lock_guard lock(mutex_);
         header.frameId = ++lastFrameId_;
-        if (!frame.picture) flights_.push_back({header.frameId, Clock::now()});
-        const uint32_t quality = frame.picture ? PICTURE_QUALITY : frame.final ? std::max(quality_, FINAL_QUALITY) : quality_;
-        if (header.codec == FrameCodec::jpeg) header.quality = static_cast<uint8_t>(quality);
+        if (!frame.picture) line_.begin(header.frameId, secondsNow(), frame.view.moving);
+        if (!frame.picture && frame.view.moving) smooth(frameSeconds_, frame.figures.lastPassSeconds);
+        if (header.codec == FrameCodec::jpeg) header.quality = static_cast<uint8_t>(qualityOf(frame));
     }
     encoder_.encode(std::move(frame), header);
+}
+
+/// With the lock held. The last frame of a view is a better one, unless the line is short of room.
+uint32_t Viewer::qualityOf(const FinishedFrame& frame) {
+    if (frame.picture) return PICTURE_QUALITY;
+    if (!frame.view.settings.adaptiveQuality) ladder_.reset();
+    if (!frame.final) return qualityAt(ladder_.level(), quality_);
+    return ladder_.level() > 0 ? quality_ : std::max(quality_, FINAL_QUALITY);
+}
+
+uint32_t Viewer::coarser() const {
+    std::lock_guard lock(mutex_);
+    return scaleStepsAt(ladder_.level());
+}
+
+void Viewer::pinged(double roundTripSeconds) {
+    std::lock_guard lock(mutex_);
+    line_.pinged(roundTripSeconds, secondsNow());
 }
 
 void Viewer::encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const std::string& failure) {
@@ -71,7 +98,7 @@ void Viewer::encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const 
     } else {
         {
             std::lock_guard lock(mutex_);
-            landed(frameId);  // it will never be acknowledged
+            line_.drop(frameId);  // it will never be acknowledged
         }
         listener_.encodingFailed(failure);
     }
@@ -91,7 +118,8 @@ void Viewer::send(EncodedFrame&& frame) {
         metrics_.picturesSent++;
     } else {
         stats_.frameSent(frame);
-        pictureSeconds_ = pictureSeconds_ > 0.0 ? 0.8 * pictureSeconds_ + 0.2 * frame.coreSeconds : frame.coreSeconds;
+        smooth(pictureSeconds_, frame.coreSeconds);
+        line_.sent(frame.header.frameId, frame.picture.bytes.size() - SOCKET_HEADROOM, secondsNow());
         metrics_.framesSent++;
         metrics_.frameBytesSent += frame.picture.bytes.size() - SOCKET_HEADROOM;
         metrics_.stages[Metrics::input].add(1e-6 * frame.header.inputMicros);
@@ -100,7 +128,7 @@ void Viewer::send(EncodedFrame&& frame) {
     }
     if (std::optional<uint32_t> replaced = socket_->sendPicture(std::move(frame.picture))) {
         metrics_.framesReplaced++;
-        landed(*replaced);
+        line_.drop(*replaced);
     }
 }
 
@@ -110,16 +138,17 @@ void Viewer::acknowledge(const AckMessage& message) {
         if (message.frameId > lastFrameId_) {
             throw InputError("ack.frameId", std::to_string(message.frameId), "at most " + std::to_string(lastFrameId_));
         }
-        landed(message.frameId);
+        const double now = secondsNow();
+        const std::optional<double> shown = message.shownMs ? std::optional(*message.shownMs * 1e-3) : std::nullopt;
+        // Pictures and frames that are acknowledged twice are not under way, which is fine.
+        if (std::optional<QueueDelay> queued = line_.landed(message.frameId, now, shown); queued && queued->moving) {
+            ladder_.seen(queued->total(), now);
+            smooth(figures_.lineDelay, queued->line);
+            smooth(figures_.viewerDelay, queued->viewer);
+        }
     }
     if (message.presentedMs && *message.presentedMs >= 0.0) metrics_.motionToPhoton.add(*message.presentedMs * 1e-3);
     listener_.drained();
-}
-
-/// The frame is not on its way any more; with the lock held. Pictures and frames acknowledged twice are not found, which is
-/// fine.
-void Viewer::landed(uint32_t frameId) {
-    std::erase_if(flights_, [&](const Flight& flight) { return flight.frameId == frameId; });
 }
 
 PictureOrder Viewer::orderPicture(PictureFormat format) {
@@ -144,8 +173,9 @@ void Viewer::written(FrameKind kind, double waitSeconds, double writeSeconds) {
 bool Viewer::closeIfStalled(Clock::time_point now) {
     {
         std::lock_guard lock(mutex_);
-        if (flights_.empty() || now - flights_.front().since <= STALL_CLOSE) return false;
-        flights_.clear();  // closed once
+        const std::optional<double> oldest = line_.oldest();
+        if (!oldest || secondsOf(now) - *oldest <= std::chrono::duration<double>(STALL_CLOSE).count()) return false;
+        line_.dropAll();  // closed once
     }
     metrics_.viewersStalled++;
     log().warn("viewer {}: nothing acknowledged for {} s, closed", number_, STALL_CLOSE.count());
@@ -155,7 +185,13 @@ bool Viewer::closeIfStalled(Clock::time_point now) {
 
 ViewerStats Viewer::takeStats(double seconds, Turns::Used used) {
     std::lock_guard lock(mutex_);
-    return stats_.take(seconds, used);
+    ViewerStats stats = stats_.take(seconds, used);
+    stats.line = figures_;
+    stats.line.level = ladder_.level();
+    stats.line.quality = qualityAt(ladder_.level(), quality_);
+    stats.line.roundTrip = line_.leastRoundTrip();
+    stats.line.bytesPerSecond = line_.bytesPerSecond();
+    return stats;
 }
 
 }  // namespace heliograph

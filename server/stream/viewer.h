@@ -4,11 +4,11 @@
 // said and asked for is the session's.
 
 #include "server/net/viewer_socket.h"
+#include "server/pace/line_meter.h"
+#include "server/pace/quality_ladder.h"
 #include "server/stream/encode_thread.h"
 #include "server/stream/metrics.h"
 #include "server/stream/stats_window.h"
-
-#include <deque>
 
 namespace heliograph {
 
@@ -43,6 +43,10 @@ public:
     bool nothingOnItsWay() const;
     /// The viewer has shown a frame. Throws InputError for one that was never sent.
     void acknowledge(const AckMessage& message);
+    /// The viewer has measured a round trip.
+    void pinged(double roundTripSeconds);
+    /// Steps (moving_scale.h) by which pictures of a moving view should be smaller, for what lies between server and eye.
+    uint32_t coarser() const;
 
     /// The order of a picture, which is to come back with its frame. Throws InputError while another one is being made.
     PictureOrder orderPicture(PictureFormat format);
@@ -63,14 +67,9 @@ public:
     double pictureSeconds() const;
 
 private:
-    struct Flight {
-        uint32_t frameId;
-        Clock::time_point since;
-    };
-
     void encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const std::string& failure);
     void send(EncodedFrame&& frame);
-    void landed(uint32_t frameId);
+    uint32_t qualityOf(const FinishedFrame& frame);
 
     const uint32_t number_;
     const std::shared_ptr<ViewerSocket> socket_;
@@ -80,7 +79,10 @@ private:
     mutable std::mutex mutex_;  // of all below; held while calling socket_
     uint32_t quality_ = 80;
     uint32_t lastFrameId_ = 0;
-    std::deque<Flight> flights_;  // frames on their way
+    LineMeter line_;  // and the frames on their way
+    QualityLadder ladder_;
+    LineFigures figures_;
+    double frameSeconds_ = 0.05;  // of a pass while the view moves, smoothed
     uint32_t lastPicture_ = 0;
     bool pictureAwaited_ = false;  // lastPicture_ was asked for and is not yet sent
     StatsWindow stats_;

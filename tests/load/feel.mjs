@@ -108,6 +108,7 @@ async function measure(server, name) {
     await drag(page, Number(options.seconds));
     const after = await page.evaluate(() => [
       performance.now(), window.heliograph.state.framesPresented, window.heliograph.state.motionToPhotonMs, window.feelSeen,
+      window.heliograph.state.pace,
     ]);
     const sent = line.received - bytes;
     await page.mouse.up();
@@ -126,6 +127,7 @@ async function measure(server, name) {
       fullMs: lastInput === null || full === null ? null : lastInput + full,
       bytesPerSecond: sent / seconds,
       scale: { median: widths[widths.length >> 1] / width, least: widths[0] / width, most: widths.at(-1) / width },
+      pace: after[4] ?? null,
       pictures: after[3].map(([time, w]) => [(time - before[0]) / 1000, w / width]),
     };
   } finally {
@@ -136,8 +138,8 @@ async function measure(server, name) {
 
 const number = (value, digits = 0) => (value === null || value === undefined ? '–' : value.toFixed(digits));
 const results = [];
-console.log('| scene | line | pictures/s | p50 ms | p95 ms | last input ms | full ms | kB/s | scale (least..most) |');
-console.log('| --- | --- | --- | --- | --- | --- | --- | --- | --- |');
+console.log('| scene | line | pictures/s | p50 ms | p95 ms | last input ms | full ms | kB/s | scale (least..most) | limit |');
+console.log('| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |');
 for (const scene of options.scenes.split(',')) {
   const server = new Server(await freePort(), scene);
   await server.start();
@@ -148,7 +150,7 @@ for (const scene of options.scenes.split(',')) {
       const { median, least, most } = r.scale;
       const cells = [scene, name, number(r.picturesPerSecond, 1), number(r.motionToPhotonMs.median), number(r.motionToPhotonMs.p95),
         number(r.lastInputMs), number(r.fullMs), number(r.bytesPerSecond / 1000),
-        `${number(median, 2)} (${number(least, 2)}..${number(most, 2)})`];
+        `${number(median, 2)} (${number(least, 2)}..${number(most, 2)})`, r.pace?.limit ?? '–'];
       console.log(`| ${cells.join(' | ')} |`);
     }
   } finally {

@@ -2,6 +2,7 @@
 // only.
 
 import type { Viewer } from '../viewer.js';
+import type { Pace } from '../wire/protocol.js';
 
 export interface Diagnostics {
   readonly connected: boolean;
@@ -22,6 +23,7 @@ export interface Diagnostics {
   readonly framesPresented: number;
   readonly framesDropped: number;
   readonly motionToPhotonMs: { readonly median: number | null; readonly p95: number | null; readonly last: number | null };
+  readonly pace: Pace | null; // what limits, as the server last said
   readonly settings: Readonly<Record<string, unknown>>; // as the server last said
   readonly camera: unknown;
   readonly pathPlaying: boolean;
@@ -67,6 +69,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
         p95: motionToPhoton.window.quantile(0.95),
         last: motionToPhoton.window.values.at(-1) ?? null,
       },
+      pace: state.stats?.pace ?? null,
       settings: Object.fromEntries(settings.rows.map((row) => [row.name, settings.confirmed(row.name)])),
       camera: structuredClone(controller.camera),
       pathPlaying: state.pathPlaying,

@@ -2,6 +2,7 @@
 
 import { el, icon, iconButton, setText, uniqueId, type IconName } from './dom.js';
 import { count, whole } from './format.js';
+import { LimitBadge } from './limit_badge.js';
 import { Menu, type MenuItem } from './menu.js';
 import type { Panel } from '../panels/panel.js';
 import { displayName, spacedWords } from './scene_name.js';
@@ -28,7 +29,8 @@ export class SceneBar {
     const cameras = new Menu(cameraButton, 'Viewpoints', () => this.cameraItems());
     this.info_ = new InfoPopover(viewer_);
     const brand = el('span', { class: 'brand' }, icon('sun'), el('span', { class: 'brand-name' }, 'Heliograph'));
-    this.element = el('header', { class: 'bar top-bar' }, brand, scenes.element, cameras.element, this.info_.element);
+    const parts = [brand, scenes.element, cameras.element, this.info_.element, new LimitBadge(viewer_).element];
+    this.element = el('header', { class: 'bar top-bar' }, ...parts);
     viewer_.on(['scene', 'hello'], () => this.refresh());
   }
 

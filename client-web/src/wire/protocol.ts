@@ -123,6 +123,18 @@ export interface DevicePart {
   readonly idleShare: number; // 0..1 of the last frame's time
 }
 
+/** What pictures are made smaller or worse for while the view moves, and by how much. */
+export interface Pace {
+  readonly limit: 'none' | 'server' | 'line' | 'viewer';
+  readonly scale: number; // width of a picture over that of a full one
+  readonly quality: number; // JPEG
+  readonly fullMs: number; // a pass in full size
+  readonly roundTripMs: number; // the least
+  readonly lineMs: number; // that pictures queue on the line
+  readonly viewerMs: number; // that they take longer here than they must
+  readonly bytesPerSecond: number; // the most that was delivered
+}
+
 export interface SchedulerStats {
   readonly endLossMs: number; // last finish minus mean finish
   readonly decisionMs: number;
@@ -144,6 +156,7 @@ export interface Stats {
   readonly tiles: Numbers;
   readonly parts: readonly DevicePart[];
   readonly scheduler: SchedulerStats | null;
+  readonly pace: Pace | null; // a server that does not say: null
   readonly viewers: number;
   readonly watchers: number; // of the view, beside who drives it
   readonly residentBytes: number;
@@ -386,6 +399,21 @@ function schedulerOf(value: unknown): SchedulerStats | null {
   };
 }
 
+function paceOf(value: unknown): Pace | null {
+  if (!isObject(value)) return null;
+  const limit = textOf(value['limit']);
+  return {
+    limit: limit === 'server' || limit === 'line' || limit === 'viewer' ? limit : 'none',
+    scale: numberOf(value['scale'], 1),
+    quality: numberOf(value['quality']),
+    fullMs: numberOf(value['fullMs']),
+    roundTripMs: numberOf(value['roundTripMs']),
+    lineMs: numberOf(value['lineMs']),
+    viewerMs: numberOf(value['viewerMs']),
+    bytesPerSecond: numberOf(value['bytesPerSecond']),
+  };
+}
+
 function statsOf(fields: Fields): Stats {
   return {
     type: 'stats',
@@ -401,6 +429,7 @@ function statsOf(fields: Fields): Stats {
     tiles: numbersOf(fields['tiles']),
     parts: listOf(fields['parts']).map(devicePartOf),
     scheduler: schedulerOf(fields['scheduler']),
+    pace: paceOf(fields['pace']),
     viewers: numberOf(fields['viewers']),
     watchers: numberOf(fields['watchers']),
     residentBytes: numberOf(fields['residentBytes']),

@@ -52,6 +52,8 @@ export class Connection {
   private retryTimer_ = 0;
   private pingTimer_ = 0;
   private unansweredSince_: number | null = null;
+  /** Of the newest ping that was answered, told with the next one; null on a new connection. */
+  roundTripMs: number | null = null;
 
   constructor(
     private readonly url_: string,
@@ -113,7 +115,7 @@ export class Connection {
       return;
     }
     this.unansweredSince_ ??= now;
-    this.send({ type: 'ping', time: now });
+    this.send({ type: 'ping', time: now, roundTripMs: this.roundTripMs });
   }
 
   private lost(reason: string): void {
@@ -127,7 +129,7 @@ export class Connection {
   /** Lets go of the present socket without hearing from it again. */
   private abandon(): void {
     window.clearInterval(this.pingTimer_);
-    this.unansweredSince_ = null;
+    this.unansweredSince_ = this.roundTripMs = null;
     const socket = this.socket_;
     this.socket_ = null;
     if (socket === null) return;

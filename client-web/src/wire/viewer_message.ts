@@ -10,11 +10,11 @@ export type ViewerMessage =
   | { type: 'settings'; inputId: number; values: SettingValues }
   | { type: 'resolution'; inputId: number; width: number; height: number }
   | { type: 'scene'; name: string }
-  | { type: 'ack'; frameId: number; presentedMs: number | null }
+  | { type: 'ack'; frameId: number; presentedMs: number | null; shownMs: number | null }
   | { type: 'picture'; format: PictureFormat }
   | { type: 'path'; playing: boolean }
   | { type: 'effectCosts' }
   | { type: 'focus'; inputId: number; x: number; y: number } // 0..1 of the picture, from its top left corner
   | { type: 'watch'; inputId: number; view?: string } // without a view: one of its own
-  | { type: 'ping'; time: number }
+  | { type: 'ping'; time: number; roundTripMs: number | null } // of the ping before
   | { type: 'token'; token: string };

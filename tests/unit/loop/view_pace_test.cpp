@@ -85,6 +85,16 @@ TEST(ViewPace, AnotherSettingIsMeasuredAnewAndNoOlderPassCounts) {
     EXPECT_LT(pixels(pace.paced(dear)), PIXELS) << "what was measured before still counts";
 }
 
+TEST(ViewPace, StepsForTheLineComeOnTopWhileTheViewMoves) {
+    ViewPace pace = restedAt(0.01);
+    pace.setLineSteps(2);
+    EXPECT_EQ(filmSize(pace.paced(requestOf(false))), uvec2(640, 360));
+    pace.asked(requestOf(true));
+    EXPECT_NEAR(pixels(pace.paced(requestOf(true))), PIXELS * 4.0 / 9.0, 1500.0);
+    EXPECT_EQ(pace.figures().step, 0u) << "not for what passes cost";
+    EXPECT_NEAR(pace.figures().fullSeconds, 0.01, 1e-9);
+}
+
 TEST(ViewPace, TheFrameRateAskedForDecides) {
     double before = PIXELS + 1.0;
     for (uint32_t rate : {5u, 20u, 60u}) {

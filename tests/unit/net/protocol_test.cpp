@@ -50,7 +50,14 @@ TEST(Protocol, ReadsEveryOtherType) {
     for (const char* ms : {"-1", "3600001", "1.7e308", "1e400"}) {
         const std::string text = R"({"type":"ack","frameId":5,"presentedMs":)" + std::string(ms) + "}";
         EXPECT_THROW(parseViewerMessage(text), MessageError) << ms;
+        const std::string shown = R"({"type":"ack","frameId":5,"shownMs":)" + std::string(ms) + "}";
+        EXPECT_THROW(parseViewerMessage(shown), MessageError) << ms;
+        const std::string ping = R"({"type":"ping","time":1,"roundTripMs":)" + std::string(ms) + "}";
+        EXPECT_THROW(parseViewerMessage(ping), MessageError) << ms;
     }
+    EXPECT_EQ(std::get<AckMessage>(parseViewerMessage(R"({"type":"ack","frameId":5,"shownMs":7})")).shownMs, 7.0);
+    EXPECT_EQ(std::get<PingMessage>(parseViewerMessage(R"({"type":"ping","time":1,"roundTripMs":4})")).roundTripMs, 4.0);
+    EXPECT_FALSE(std::get<PingMessage>(parseViewerMessage(R"({"type":"ping","time":1,"roundTripMs":null})")).roundTripMs);
     EXPECT_EQ(std::get<PictureMessage>(parseViewerMessage(R"({"type":"picture","format":"exr"})")).format, PictureFormat::exr);
     EXPECT_TRUE(std::get<PathMessage>(parseViewerMessage(R"({"type":"path","playing":true})")).playing);
     EXPECT_EQ(std::get<PingMessage>(parseViewerMessage(R"({"type":"ping","time":1.5e3})")).time, 1500.0);

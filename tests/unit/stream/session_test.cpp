@@ -29,7 +29,7 @@ TEST(Session, GreetsInOrder) {
               json({{"name", "embree"}, {"words", {"embree"}}, {"kind", "processor"}, {"side", "cpu"}, {"bit", 0}}));
     EXPECT_EQ(devices[1]["words"], json::array()) << "vulkan is not offered";
     EXPECT_EQ(line.socket->texts[0]["scenes"][1]["name"], "second");
-    EXPECT_EQ(line.socket->texts[0]["maxUnacked"], 2);
+    EXPECT_EQ(line.socket->texts[0]["maxUnacked"], 16);
     EXPECT_GT(line.socket->texts[0]["schema"].size(), 20u);
     EXPECT_EQ(line.socket->texts[1]["type"], "settings");
     EXPECT_EQ(line.socket->texts[1]["values"]["samples"], 1);
@@ -238,7 +238,16 @@ TEST(Messages, StatisticsSayWhoTookPartAndWhyNot) {
     stats.schedule.seconds = 1.0;
     stats.schedule.batches = 4;
     stats.schedule.workers = {{0, 0, {{1.0, 1.75, 9, 0.75}}}};
+    stats.scale = {2, 0.165};
+    stats.line = {0.05, 250e3, 0.01, 0.0, 0, 80};
     const json message = json::parse(statsMessage(stats));
+    EXPECT_EQ(message["pace"]["limit"], "server");
+    EXPECT_NEAR(message["pace"]["scale"].get<double>(), 2.0 / 3.0, 1e-9);
+    EXPECT_EQ(message["pace"]["fullMs"], 165.0);
+    EXPECT_EQ(message["pace"]["roundTripMs"], 50.0);
+    stats.line.level = 5;
+    EXPECT_EQ(json::parse(statsMessage(stats))["pace"]["limit"], "line");
+    EXPECT_LT(json::parse(statsMessage(stats))["pace"]["scale"], 0.6);
     ASSERT_EQ(message["parts"].size(), 3u);
     EXPECT_EQ(message["parts"][0], json({{"device", "embree"},
                                          {"part", "works"},

@@ -111,6 +111,47 @@ TEST(Viewer, WhatIsNeverShownTakesNoCredit) {
     EXPECT_TRUE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 11s));
 }
 
+TEST(Viewer, AsManyFramesAreUnderWayAsTheLineHolds) {
+    Seat seat;
+    seat.viewer.pinged(0.3);  // six frames of 50 ms
+    for (int frames = 1; frames <= 7; frames++) {
+        ASSERT_EQ(seat.viewer.readiness(), Readiness::ready) << frames;
+        seat.viewer.take(frameOf(uvec2(16, 16), 1));
+        ASSERT_TRUE(seat.untilDrained(frames));
+    }
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::noCredit);
+    for (uint32_t id = 1; id <= 6; id++) seat.viewer.acknowledge({id, std::nullopt});
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::ready);
+}
+
+TEST(Viewer, PicturesThatQueueBecomeCoarserUnlessTheViewForbidsIt) {
+    Seat seat;
+    seat.viewer.pinged(0.0);
+    FinishedFrame frame = frameOf(uvec2(64, 64), 1);
+    frame.view.moving = true;
+    uint32_t id = 0;
+    auto queues = [&] {
+        seat.viewer.take(frame);
+        ASSERT_TRUE(seat.untilDrained(static_cast<int>(2 * id + 1)));
+        std::this_thread::sleep_for(65ms);
+        seat.viewer.acknowledge({++id, std::nullopt, 0.0});
+    };
+    for (int i = 0; i < 6; i++) queues();
+    EXPECT_EQ(seat.headers.front().quality, 80);
+    EXPECT_LT(seat.headers.back().quality, 80);
+    EXPECT_EQ(seat.viewer.coarser(), 0u) << "first the quality";
+    while (seat.viewer.coarser() == 0 && id < 60) queues();
+    EXPECT_GT(seat.viewer.coarser(), 0u);
+    const ViewerStats stats = seat.viewer.takeStats(1.0, {});
+    EXPECT_GT(stats.line.lineDelay, 0.06);
+    EXPECT_EQ(stats.line.viewerDelay, 0.0);
+    EXPECT_EQ(stats.line.quality, qualityAt(stats.line.level, 80));
+    frame.view.settings.adaptiveQuality = false;
+    queues();
+    EXPECT_EQ(seat.headers.back().quality, 80);
+    EXPECT_EQ(seat.viewer.coarser(), 0u);
+}
+
 TEST(Viewer, WhatItsThreadIsAtCanBeNamed) {
     Seat seat;
     EXPECT_FALSE(seat.viewer.stage());

@@ -1,0 +1,38 @@
+// In words, what keeps pictures from being larger, better or more. Knows no DOM.
+
+import type { Pace } from '../wire/protocol.js';
+
+export interface PaceText {
+  readonly label: string; // what limits
+  readonly figure: string; // by how much
+  readonly help: string;
+}
+
+const megabits = (bytesPerSecond: number): string => `${((bytesPerSecond * 8) / 1e6).toFixed(1)} Mbit/s`;
+
+/** Null where nothing limits. */
+export function paceText(pace: Pace): PaceText | null {
+  const size = `Pictures of a moving view have ${Math.round(pace.scale * 100)} % of the width and JPEG quality ${pace.quality}`;
+  switch (pace.limit) {
+    case 'none':
+      return null;
+    case 'server':
+      return {
+        label: 'Server',
+        figure: `${Math.round(pace.fullMs)} ms a full picture`,
+        help: `${size}: the server takes too long for larger ones.`,
+      };
+    case 'line':
+      return {
+        label: 'Line',
+        figure: `${megabits(pace.bytesPerSecond)}, ${Math.round(pace.roundTripMs)} ms`,
+        help: `${size}: they queue for ${Math.round(pace.lineMs)} ms on the way here.`,
+      };
+    case 'viewer':
+      return {
+        label: 'This computer',
+        figure: `${Math.round(pace.viewerMs)} ms late`,
+        help: `${size}: this computer shows them later than it could.`,
+      };
+  }
+}
