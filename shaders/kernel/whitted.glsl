@@ -187,9 +187,9 @@ vec3 ambientContribution(IN(Shading) m, vec3 wo, vec3 throughput) {
     return throughput * ambient * m.alpha;
 }
 
-// Number in the Sobol table of ray `index` of FRAME.aoSamples of sample `sampleIndex`.
+// Number in the Sobol sequence of ray `index` of FRAME.aoSamples of sample `sampleIndex`.
 UNIFORM_UINT occlusionNumber(UNIFORM_UINT sampleIndex, UNIFORM_UINT index) {
-    return (sampleIndex * FRAME.aoSamples + index) & (SOBOL_COUNT - 1u);
+    return sampleIndex * FRAME.aoSamples + index;
 }
 
 // Digit shift of the table for a pixel and a vertex of its path.

@@ -26,7 +26,7 @@ void main() {
     vec3 tangent;
     vec3 bitangent;
     orthonormalBasis(a.shading.normal, tangent, bitangent);
-    radiance += occlusionDirection(SOBOL(occlusionNumber(3u, 1u)), occlusionShift(pixel, path.salt), a.shading.normal,
+    radiance += occlusionDirection(sobolPoint(occlusionNumber(3u, 1u)), occlusionShift(pixel, path.salt), a.shading.normal,
                                    a.surface.geometricNormal, tangent, bitangent);
     radiance += a.ambient * occlusionVisibility(isCutOut(a.surface) || a.occlusion ? 1u : allLightSamples());
 #define ADD(bit, path) if ((a.next & bit) != 0u) radiance += a.path.direction;

@@ -79,7 +79,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
             shadowRays++;
         } else {
             r.ray.origin = offsetRayOrigin(a.surface.position, a.surface.geometricNormal);
-            r.ray.direction = occlusionDirection(SOBOL(occlusionNumber(sampleIndex, i - lights)), shift, a.shading.normal,
+            r.ray.direction = occlusionDirection(sobolPoint(occlusionNumber(sampleIndex, i - lights)), shift, a.shading.normal,
                                                  a.surface.geometricNormal, tangent, bitangent);
             r.ray.tMax = FRAME.aoDistance;
             ambientOcclusionRays++;

@@ -82,7 +82,7 @@ void makeOcclusion(RayKernel& k, const std::vector<OcclusionPoint>& points, RayL
                 vec3 t, b;
                 k.orthonormalBasis(p.normal, t, b);
                 list.push(p.origin,
-                          k.occlusionDirection(k.scene.sobol[k.occlusionNumber(0, index)], p.shift, p.normal, p.geometricNormal,
+                          k.occlusionDirection(k.sobolPoint(k.occlusionNumber(0, index)), p.shift, p.normal, p.geometricNormal,
                                                t, b),
                           k.frame.aoDistance);
             }

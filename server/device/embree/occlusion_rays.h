@@ -48,7 +48,7 @@ public:
             std::memcpy(rays.org_y, group.origin[1], sizeof rays.org_x);
             std::memcpy(rays.org_z, group.origin[2], sizeof rays.org_x);
             for (uint32_t index = 0; index < samples; index++) {
-                uvec2 point = kernel_.scene.sobol[kernel_.occlusionNumber(sample, index)];
+                const Uvec2 point = kernel_.sobolPoint(kernel_.occlusionNumber(sample, index));
                 for (uint32_t at = 0; at < PACKET; at += LANES) aimOcclusion(hemispheres[at / LANES], at, point, rays);
                 for (float& distance : rays.tfar) distance = kernel_.frame.aoDistance;
                 uint32_t passed = 0;
@@ -91,8 +91,8 @@ private:
         return h;
     }
 
-    HELIOGRAPH_INLINE void aimOcclusion(const Hemisphere& h, uint32_t at, uvec2 point, RTCRay16& rays) {
-        Vec3 d = kernel_.occlusionDirection(Uvec2(point), h.shift, h.normal, h.geometricNormal, h.tangent, h.bitangent);
+    HELIOGRAPH_INLINE void aimOcclusion(const Hemisphere& h, uint32_t at, const Uvec2& point, RTCRay16& rays) {
+        Vec3 d = kernel_.occlusionDirection(point, h.shift, h.normal, h.geometricNormal, h.tangent, h.bitangent);
         std::memcpy(rays.dir_x + at, &d.x.v, sizeof d.x.v);
         std::memcpy(rays.dir_y + at, &d.y.v, sizeof d.x.v);
         std::memcpy(rays.dir_z + at, &d.z.v, sizeof d.x.v);

@@ -72,7 +72,7 @@ ShadowRay fogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex,
                  vec3 direction, vec3 throughput, float distance) {
     Light light = LIGHT(index);
     uint shift = hashPixel(pixel, hashUint(salt + FOG_SALT + index * 0x9e3779b9u) + FRAME.seed);
-    uvec2 point = SOBOL((sampleIndex * FRAME.fogSamples + ray) & (SOBOL_COUNT - 1u));
+    uvec2 point = sobolPoint(sampleIndex * FRAME.fogSamples + ray);
     float u = unitFloat(point.x ^ shift);
     vec2 span = fogSpan(origin, direction, distance);
     vec3 from = origin + direction * span.x;

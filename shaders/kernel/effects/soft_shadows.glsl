@@ -24,9 +24,9 @@ UNIFORM_UINT allLightSamples() {
     return sum;
 }
 
-// Point of the Sobol table for ray `ray` of sample `sampleIndex`.
+// Point of the Sobol sequence for ray `ray` of sample `sampleIndex`.
 uvec2 shadowPoint(UNIFORM_UINT sampleIndex, UNIFORM_UINT ray) {
-    return SOBOL((sampleIndex * FRAME.shadowSamples + ray) & (SOBOL_COUNT - 1u));
+    return sobolPoint(sampleIndex * FRAME.shadowSamples + ray);
 }
 
 // Digit shift of the table for a pixel, a vertex of its path and a light.
