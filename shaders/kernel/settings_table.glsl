@@ -69,7 +69,7 @@ SETTING_CHOICE(toneCurve, picture, display, 0, "filmic|linear", "Tone curve", ""
 SETTING_BOOL(adaptiveQuality, picture, display, true, "Adaptive quality", "", "off", "Where pictures queue up on the line, JPEG quality and size go down, and up again when it is free. Off sends every picture as set.")
 SETTING_BOOL(exactAtRest, picture, display, true, "Exact at rest", "", "on", "When all samples are there, the picture is sent once more without loss: the same bytes as on the server.")
 SETTING_BOOL(cameraPath, picture, command, false, "Camera path", "", "", "Fly along the scene's camera path.")
-SETTING_FLOAT(fieldOfView, picture, command, 60.0f, 1.0f, 179.0f, "deg", "Field of view", "", "", "Vertical opening angle of the camera.")
+SETTING_FLOAT(fieldOfView, picture, command, 60.0f, 0.01f, 179.0f, "deg", "Field of view", "", "", "Vertical opening angle of the camera.")
 SETTING_CHOICE(rasterView, renderer, film, 0, "shaded|normals|depth|material|primitive", "Raster view", "", "", "What the raster preview shows: the lit surface without shadows, or normals, depth, materials and triangles for looking into meshes.")
 SETTING_INT(embreeThreads, renderer, film, 0, 0, 256, "threads", "Embree threads", "", "", "Threads that trace on the CPU; 0 uses every core.")
 SETTING_BOOL(tiles, renderer, film, true, "Tiles", "", "", "Render in tiles; off renders rows of the full width, 8 pixels high.")

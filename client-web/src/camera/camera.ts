@@ -16,7 +16,7 @@ export interface Bounds {
 }
 
 export const WORLD_UP: Vec3 = [0, 1, 0];
-export const FIELD_OF_VIEW_LOW = 1; // degrees
+export const FIELD_OF_VIEW_LOW = 0.01; // degrees
 export const FIELD_OF_VIEW_HIGH = 179; // degrees
 /** Nearest that mouse-look comes to straight up or down, radians. */
 const POLE_MARGIN = 0.01;

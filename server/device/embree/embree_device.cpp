@@ -90,7 +90,9 @@ public:
 
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         Frame frame(*this, request);
-        inArena(request.settings.embreeThreads, [&] { renderTiles(frame, tiles, sink, stop); });
+        auto work = [&] { renderTiles(frame, tiles, sink, stop); };
+        if (tiles.size() == 1) work();  // waking others takes longer than a small tile
+        else inArena(request.settings.embreeThreads, work);
     }
 
     void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,

@@ -100,6 +100,8 @@ std::string shown(vec3 v) {
     return text.str();
 }
 
+constexpr float NARROWEST = 0.01f, WIDEST = 179.0f;  // degrees
+
 bool repairCamera(NamedCamera& camera) {
     const float length = glm::length(camera.forward);
     if (!finite(camera.position) || !(length > 1e-12f) || !std::isfinite(length)) return false;
@@ -111,7 +113,7 @@ bool repairCamera(NamedCamera& camera) {
         up = other - camera.forward * glm::dot(camera.forward, other);
     }
     camera.up = glm::normalize(up);
-    camera.fieldOfView = std::isfinite(camera.fieldOfView) ? std::clamp(camera.fieldOfView, 1.0f, 179.0f) : 60.0f;
+    camera.fieldOfView = std::isfinite(camera.fieldOfView) ? std::clamp(camera.fieldOfView, NARROWEST, WIDEST) : 60.0f;
     return true;
 }
 
@@ -149,6 +151,11 @@ void checkLights(SceneDraft& draft) {
 }
 
 void checkCameras(SceneDraft& draft) {
+    for (const NamedCamera& camera : draft.scene.cameras) {
+        if (camera.fieldOfView >= NARROWEST && camera.fieldOfView <= WIDEST) continue;
+        addWarning(draft, "camera '" + camera.name + "' has a field of view of " + std::to_string(camera.fieldOfView) +
+                              " degrees; drawn: the nearest of " + std::to_string(NARROWEST) + " to " + std::to_string(WIDEST));
+    }
     const size_t dropped = dropUnless(draft.scene.cameras, repairCamera);
     if (dropped > 0) addWarning(draft, std::to_string(dropped) + " cameras were left out: not finite or without direction");
     const Bounds range = draft.scene.cameraRange();

@@ -1,4 +1,5 @@
 #include "server/scene/build/scene_builder.h"
+#include "tests/support/test_scenes.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <gmock/gmock.h>
@@ -308,6 +309,25 @@ TEST(SceneBuilder, AddsAHeadlightAndACameraAndSaysSo) {
         EXPECT_LE(std::abs(glm::dot(d, right)), depth * tangent);
         EXPECT_LE(std::abs(glm::dot(d, camera.up)), depth * tangent);
     }
+}
+
+TEST(SceneBuilder, KeepsNarrowCamerasAndTellsWhichItWidens) {
+    SceneBuilder builder = test::litBuilder();
+    builder.addInstance(builder.addMesh(test::square()), mat4(1.0f));
+    for (float degrees : {0.01f, 0.5f, 179.0f, 0.001f, 400.0f}) {
+        NamedCamera camera;
+        camera.name = "c";
+        camera.position = vec3(0.0f, 0.0f, 3.0f);
+        camera.forward = vec3(0.0f, 0.0f, -1.0f);
+        camera.fieldOfView = degrees;
+        builder.addCamera(camera);
+    }
+    const auto scene = builder.finish();
+    std::vector<float> drawn;
+    for (const NamedCamera& camera : scene->cameras) drawn.push_back(camera.fieldOfView);
+    EXPECT_EQ(drawn, (std::vector<float>{0.01f, 0.5f, 179.0f, 0.01f, 179.0f}));
+    EXPECT_EQ(std::ranges::count_if(scene->warnings, [](const std::string& w) { return w.find("field of view") != w.npos; }),
+              2);
 }
 
 TEST(SceneBuilder, KeepsALightThatIsThere) {
