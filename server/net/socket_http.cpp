@@ -55,13 +55,20 @@ bool addHeaders(lws* wsi, unsigned status, const std::string& mimeType, size_t b
     if (status == 405 && !addHeader(wsi, "allow:", "GET, HEAD", at, end)) return false;
     const std::string seconds = std::to_string(static_cast<int>(std::ceil(retryAfter)));
     if (retryAfter > 0.0 && !addHeader(wsi, "retry-after:", seconds, at, end)) return false;
-    for (const auto& [name, value] : SECURITY_HEADERS) {
-        if (!addHeader(wsi, name, value, at, end)) return false;
-    }
     return true;
 }
 
 }  // namespace
+
+const lws_protocol_vhost_options* securityHeaders() {
+    static const std::vector<lws_protocol_vhost_options> list = [] {
+        std::vector<lws_protocol_vhost_options> all;
+        for (const auto& [name, value] : SECURITY_HEADERS) all.push_back({nullptr, nullptr, name, value});
+        for (size_t i = 0; i + 1 < all.size(); i++) all[i].next = &all[i + 1];
+        return all;
+    }();
+    return list.data();
+}
 
 const lws_token_limits& headerLimits() {
     static const lws_token_limits limits = [] {
@@ -90,7 +97,11 @@ int SocketLoop::http(lws* wsi, lws_callback_reasons reason, std::string_view in)
             return 0;
         case LWS_CALLBACK_HTTP: return request(wsi, in);
         case LWS_CALLBACK_HTTP_WRITEABLE: return writeAnswer(wsi);
-        case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE: return in == "websocket" ? upgrade(wsi) : -1;
+        case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
+            // The library lets HTTP/2 come as far as this.
+            return in.size() == 9 && strncasecmp(in.data(), "websocket", 9) == 0
+                       ? upgrade(wsi)
+                       : refuse(wsi, 426, "only WebSocket is spoken here beside HTTP/1.1");
         case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: return -1;  // a WebSocket without our protocol
         case LWS_CALLBACK_CLOSED_HTTP: answers_.erase(wsi); return 0;
         default: return 0;
@@ -126,14 +137,15 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
         return answer(wsi, state.ready ? 200 : 503, "application/json", {std::move(state.json), {}, 0});
     }
     if (path == "/metrics") {
-        const Bearer bearer = options_.token.empty() ? Bearer::right : bearerOf(wsi, {options_.token, options_.adminToken});
-        if (bearer != Bearer::right) return refuseBearer(wsi, bearer);
+        const Bearer bearer =
+            options_.token.empty() ? Bearer::right : bearerOf(wsi, readers_, {options_.token, options_.adminToken});
+        if (bearer != Bearer::right) return refuseBearer(wsi, readers_, bearer);
         return answer(wsi, 200, "text/plain; version=0.0.4", {handler_.metricsText(), {}, 0});
     }
     if (path == "/ws") return refuse(wsi, 426, "WebSocket is spoken here");
     auto link = links_.find(wsi);
     if (link != links_.end()) link->second.since = Clock::now();
-    if (link != links_.end() && link->second.reserved) return refuse(wsi, 503, "too many connections", RETRY_SECONDS);
+    if (link != links_.end() && link->second.reserved) return tooManyConnections(wsi);
     auto file = options_.files.find(path);
     if (file == options_.files.end()) return answer(wsi, 404, "text/plain", {"not found\n", {}, 0});
     return answer(wsi, 200, file->second.mimeType, {{}, file->second.bytes, 0});
@@ -179,8 +191,8 @@ int SocketLoop::writeAnswer(lws* wsi) {
 /// The admin's answer to a path below /admin.
 int SocketLoop::admin(lws* wsi, std::string_view path) {
     if (options_.adminToken.empty()) return refuse(wsi, 404, "there are no admins (--admin-token-file)");
-    const Bearer bearer = bearerOf(wsi, {options_.adminToken});
-    if (bearer != Bearer::right) return refuseBearer(wsi, bearer);
+    const Bearer bearer = bearerOf(wsi, readers_, {options_.adminToken});
+    if (bearer != Bearer::right) return refuseBearer(wsi, readers_, bearer);
     constexpr std::pair<lws_token_indexes, const char*> METHODS[] = {
         {WSI_TOKEN_GET_URI, "GET"}, {WSI_TOKEN_POST_URI, "POST"}, {WSI_TOKEN_DELETE_URI, "DELETE"}};
     const auto* method = std::ranges::find_if(METHODS, [&](const auto& m) { return lws_hdr_total_length(wsi, m.first) > 0; });
@@ -201,13 +213,14 @@ std::string SocketLoop::guardedAddress(lws* wsi) const {
     return link == links_.end() || link->second.overUnix() ? "" : link->second.address;
 }
 
-SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi, std::initializer_list<std::string_view> secrets) {
+/// What `guard` says of the token that came; a wrong one counts for viewers, too.
+SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi, TokenGuard& guard, std::initializer_list<std::string_view> secrets) {
     constexpr std::string_view scheme = "Bearer ";
     if (lws_hdr_total_length(wsi, WSI_TOKEN_HTTP_AUTHORIZATION) <= 0) return Bearer::none;
     const std::string address = guardedAddress(wsi);
     const double now = wallSeconds();
     // As long as it lasts the right token does not pass either, else guessing would go on.
-    if (guard_.lockedFor(address, now) > 0.0) return Bearer::locked;
+    if (guard.lockedFor(address, now) > 0.0) return Bearer::locked;
     const std::string authorization = headerOf(wsi, WSI_TOKEN_HTTP_AUTHORIZATION);
     bool right = false;
     if (strncasecmp(authorization.c_str(), scheme.data(), scheme.size()) == 0) {
@@ -215,17 +228,18 @@ SocketLoop::Bearer SocketLoop::bearerOf(lws* wsi, std::initializer_list<std::str
             right = sameSecret(std::string_view(authorization).substr(scheme.size()), secret) || right;
     }
     if (right) {
-        guard_.right(address);
+        guard.right(address);
         return Bearer::right;
     }
-    guard_.wrong(address, now);
+    guard.wrong(address, now);
+    if (&guard != &guard_) guard_.wrong(address, now);
     if (wrongNotes_.take(1.0, now)) log().warn("wrong token from {}", addressOf(wsi));
     return Bearer::wrong;
 }
 
-int SocketLoop::refuseBearer(lws* wsi, Bearer bearer) {
+int SocketLoop::refuseBearer(lws* wsi, const TokenGuard& guard, Bearer bearer) {
     if (bearer != Bearer::locked) return refuse(wsi, 401, "Authorization: Bearer with the token is needed");
-    return refuse(wsi, 429, "too many wrong tokens from this address", guard_.lockedFor(guardedAddress(wsi), wallSeconds()));
+    return refuse(wsi, 429, "too many wrong tokens from this address", guard.lockedFor(guardedAddress(wsi), wallSeconds()));
 }
 
 bool SocketLoop::namesUs(lws* wsi) const {
@@ -237,6 +251,10 @@ bool SocketLoop::namesUs(lws* wsi) const {
 bool SocketLoop::loopbackOnly(lws* wsi) const {
     const auto link = links_.find(wsi);
     return options_.token.empty() && (link == links_.end() || link->second.ofThisMachine);
+}
+
+int SocketLoop::tooManyConnections(lws* wsi) {
+    return refuse(wsi, 503, "too many connections", connectionsGone_.secondsToNext(wallSeconds()));
 }
 
 /// Answers at once with what stands against it; the connection ends then.

@@ -42,12 +42,14 @@ public:
     std::optional<std::string> said;
 };
 
+/// Headers of every answer, those that the library gives by itself among them.
+const lws_protocol_vhost_options* securityHeaders();
+
 /// Bytes of each header that the library keeps; the rest is dropped.
 const lws_token_limits& headerLimits();
 
 constexpr const char* TOO_LONG = "a request may have 8 KiB of address and 16 KiB of headers";
-constexpr double RETRY_SECONDS = 2.0;  // for connections beyond the limit: the oldest idle one gives way soon
-constexpr int RESTART_SECONDS = 5;     // until a server that ends is there again
+constexpr int RESTART_SECONDS = 5;  // until a server that ends is there again
 constexpr const char* NOT_OUR_NAME = "this server does not go by that name; --allow-origin would let it";
 
 class SocketLoop {
@@ -131,12 +133,13 @@ private:
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
     int upgrade(lws* wsi);
+    int tooManyConnections(lws* wsi);
     int refuse(lws* wsi, unsigned status, const std::string& why, double retryAfter = 0.0);
     int sayLast(lws* wsi, unsigned status, const std::string& mimeType, const std::string& body, double retryAfter);
     /// The token that came with the request.
     enum class Bearer { none, wrong, locked, right };
-    Bearer bearerOf(lws* wsi, std::initializer_list<std::string_view> secrets);
-    int refuseBearer(lws* wsi, Bearer bearer);
+    Bearer bearerOf(lws* wsi, TokenGuard& guard, std::initializer_list<std::string_view> secrets);
+    int refuseBearer(lws* wsi, const TokenGuard& guard, Bearer bearer);
     void wrongToken(const std::string& address);
     std::optional<SocketHandler::NoRoom> noRoom();
     size_t viewerCount() const;
@@ -166,6 +169,7 @@ private:
     void listenAgain();
     int receive(lws* wsi, Viewer& viewer, std::string_view piece);
     int closeWith(lws* wsi, CloseCode code, const std::string& reason);
+    bool unmasked(lws* wsi, const Viewer& viewer, uint64_t consumed) const;
     int dismiss(lws* wsi, Viewer& viewer, CloseCode code, const std::string& reason);
     void leave(lws* wsi);
     void forget(lws* wsi);
@@ -184,7 +188,9 @@ private:
     size_t room_ = 0;                                // connections that descriptors suffice for
     std::optional<Clock::time_point> listensAgain_;  // nothing is accepted until then
     bool pauseSaid_ = false;
-    TokenGuard guard_;
+    TokenGuard guard_;    // wrong tokens of viewers, and those below
+    TokenGuard readers_;  // wrong tokens over HTTP: a viewer's guesses do not hide the figures
+    Departures connectionsGone_;
     Departures departures_;  // of viewers
     // The connection that is being taken: where it came in, and that it is beyond the limit.
     const Door* door_ = nullptr;

@@ -84,6 +84,7 @@ void SocketLoop::createContext() {
     info.pt_serv_buf_size = 16384;
     info.max_http_header_data = 65535;  // of a connection, until its request is answered
     info.token_limits = &headerLimits();
+    info.headers = securityHeaders();
     info.fd_limit_per_thread =
         static_cast<unsigned>(options_.maxViewers + options_.spareConnections + RESERVED_CONNECTIONS + doors_.size()) + LEAVING;
     // Without this a browser picks HTTP/2 over TLS and opens the WebSocket inside it, where 4.1.6 reads past its buffer.

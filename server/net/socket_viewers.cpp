@@ -5,6 +5,7 @@
 #include "server/net/guard/origin.h"
 #include "server/net/guard/tcp_counts.h"
 #include "server/net/socket_loop.h"
+#include "server/net/tls_records.h"
 
 #include <algorithm>
 #include <cstring>
@@ -47,10 +48,9 @@ int SocketLoop::upgrade(lws* wsi) {
     if (!originAllowed(origin, host, options_.allowedOrigins, loopbackOnly(wsi))) {
         return refuse(wsi, 403, "pages of another origin may not connect");
     }
-    const Bearer bearer = options_.token.empty() ? Bearer::none : bearerOf(wsi, {options_.token});
-    if (bearer == Bearer::wrong || bearer == Bearer::locked) return refuseBearer(wsi, bearer);
-    if (auto link = links_.find(wsi); link != links_.end() && link->second.reserved)
-        return refuse(wsi, 503, "too many connections", RETRY_SECONDS);
+    const Bearer bearer = options_.token.empty() ? Bearer::none : bearerOf(wsi, guard_, {options_.token});
+    if (bearer == Bearer::wrong || bearer == Bearer::locked) return refuseBearer(wsi, guard_, bearer);
+    if (auto link = links_.find(wsi); link != links_.end() && link->second.reserved) return tooManyConnections(wsi);
     if (const auto none = noRoom()) return refuse(wsi, 503, none->why, none->retrySeconds);
     if (bearer == Bearer::right) authorized_.insert(wsi);
     return 0;
@@ -102,6 +102,7 @@ void SocketLoop::open(lws* wsi) {
     Viewer& viewer = viewers_.emplace(wsi, Viewer{connection, WriteWatch(now), {}, nullptr, now, {}, {}}).first->second;
     if (const auto consumed = consumedBytes(lws_get_socket_fd(wsi)))
         viewer.ledger.emplace(tls_ ? WireLedger::Wire::tls : WireLedger::Wire::plain, *consumed);
+    if (SSL* ssl = lws_get_ssl(wsi)) countRecords(ssl);
     if (!guest) return enter(wsi, viewer, authorized);
     viewer.guest = std::make_shared<Guest>();
     connection->peer = viewer.guest;
@@ -179,7 +180,7 @@ int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
         viewer.ledger->delivered(piece.size(), left);
         // Later ones are found by the sweep.
         const auto consumed = first ? consumedBytes(lws_get_socket_fd(wsi)) : std::nullopt;
-        if (consumed && viewer.ledger->unmasked(*consumed)) return dismiss(wsi, viewer, CloseCode::protocolError, UNMASKED);
+        if (consumed && unmasked(wsi, viewer, *consumed)) return dismiss(wsi, viewer, CloseCode::protocolError, UNMASKED);
     }
     std::optional<CloseCode> fault = viewer.connection->receive(piece, lws_frame_is_binary(wsi), last, wallSeconds());
     if (!fault && !last && left == 0 && !viewer.connection->countMessages(1.0, wallSeconds()))
@@ -190,6 +191,14 @@ int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
                          : *fault == CloseCode::unsupportedData ? "messages are text"
                                                                 : TOO_MANY;
     return dismiss(wsi, viewer, *fault, reason);
+}
+
+/// `consumed`: bytes read from the socket.
+bool SocketLoop::unmasked(lws* wsi, const Viewer& viewer, uint64_t consumed) const {
+    const SSL* ssl = lws_get_ssl(wsi);
+    if (!ssl) return viewer.ledger->unmasked(consumed);
+    const auto data = recordBytes(ssl);
+    return data && viewer.ledger->unmaskedInRecords(*data);
 }
 
 /// Closes for a rule that was broken: nothing more is read. Not at once, as the library sends no close frame behind what it
@@ -231,7 +240,7 @@ void SocketLoop::forget(lws* wsi) {
     answers_.erase(wsi);
     authorized_.erase(wsi);
     leave(wsi);
-    links_.erase(wsi);
+    if (links_.erase(wsi) > 0) connectionsGone_.left(wallSeconds());
 }
 
 void SocketLoop::leave(lws* wsi) {
@@ -282,7 +291,7 @@ void SocketLoop::weigh(lws* wsi, Viewer& viewer) {
         if (*consumed - *viewer.consumedBefore > READ_AFTER_CLOSE) dismiss(wsi, viewer, CloseCode::policyViolation, TOO_MANY);
         return;
     }
-    if (viewer.ledger->unmasked(*consumed)) {
+    if (unmasked(wsi, viewer, *consumed)) {
         dismiss(wsi, viewer, CloseCode::protocolError, UNMASKED);
         return;
     }

@@ -109,8 +109,8 @@ void addCounts(const Metrics& metrics, Families& out) {
     std::vector<std::string> closes, refusals{"token"}, loads(std::begin(LOAD_OUTCOMES), std::end(LOAD_OUTCOMES));
     for (const auto& code : CLOSE_CODES) closes.push_back(closeReason(code));
     for (unsigned status : REFUSAL_STATUSES) refusals.push_back(refusalReason(status));
-    out.tally("heliograph_connections_closed_total", "Viewers that have gone, by reason.", "reason", metrics.closes.all(),
-              closes);
+    std::map<std::string, uint64_t> closed = metrics.closes.all();
+    out.tally("heliograph_connections_closed_total", "Viewers that have gone, by reason.", "reason", closed, closes);
     out.tally("heliograph_connections_refused_total", "Connections turned away, by reason.", "reason", metrics.refusals.all(),
               refusals);
     out.tally("heliograph_scene_loads_total", "Scenes loaded, by outcome.", "outcome", metrics.loads.all(), loads);
@@ -121,8 +121,8 @@ void addCounts(const Metrics& metrics, Families& out) {
     out.counter("heliograph_pictures_sent_total", "Pictures asked for and sent.", number(metrics.picturesSent));
     out.counter("heliograph_messages_refused_total", "Messages of viewers answered with an error.",
                 number(metrics.messagesRefused));
-    out.counter("heliograph_viewers_stalled_total", "Viewers closed because they acknowledged nothing.",
-                number(metrics.viewersStalled));
+    out.counter("heliograph_viewers_stalled_total", "Viewers closed because they acknowledged or took nothing.",
+                number(closed[closeReason(CloseCode::stalled)]));
     out.counter("heliograph_nonfinite_samples_total", "Samples left out as NaN or infinite.", number(metrics.nonfiniteSamples));
     out.open("heliograph_rays_total", "Rays traced for frames that were shown, by kind.", MetricType::Counter);
     for (size_t i = 0; i < metrics.rays.size(); i++) out.sample({{"kind", RAY_NAMES[i]}}, number(metrics.rays[i]));

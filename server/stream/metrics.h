@@ -77,7 +77,7 @@ struct Metrics {
     enum Stage { input, render, develop, encode, send, STAGES };
 
     std::atomic<uint64_t> framesSent{0}, frameBytesSent{0}, framesReplaced{0}, picturesSent{0};
-    std::atomic<uint64_t> messagesRefused{0}, viewersStalled{0};
+    std::atomic<uint64_t> messagesRefused{0};
     Tally closes, refusals, loads;  // by reason, by reason, by outcome
     std::atomic<uint64_t> nonfiniteSamples{0};
     std::array<std::atomic<uint64_t>, static_cast<size_t>(RayKind::count)> rays{};

@@ -177,7 +177,6 @@ bool Viewer::closeIfStalled(Clock::time_point now) {
         if (!oldest || secondsOf(now) - *oldest <= std::chrono::duration<double>(STALL_CLOSE).count()) return false;
         line_.dropAll();  // closed once
     }
-    metrics_.viewersStalled++;
     log().warn("viewer {}: nothing acknowledged for {} s, closed", number_, STALL_CLOSE.count());
     socket_->close(CloseCode::stalled, "frames were not acknowledged for 10 seconds");
     return true;

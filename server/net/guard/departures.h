@@ -1,5 +1,5 @@
 #pragma once
-// When a place of a viewer is free again, by how often viewers leave. Pure.
+// When a place is free again, by how often viewers or connections leave. Pure.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace heliograph {
 
 class Departures {
 public:
-    /// A viewer left. Times in seconds of a clock that does not go back.
+    /// One left. Times in seconds of a clock that does not go back.
     void left(double now) {
         times_.push_back(now);
         if (times_.size() > KEPT) times_.pop_front();

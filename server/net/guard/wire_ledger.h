@@ -24,6 +24,8 @@ public:
     /// More was delivered than can have come in masked frames since the WebSocket opened. `consumed`: bytes read from the
     /// socket by now. Never over TLS, where records hide how long frames are.
     bool unmasked(uint64_t consumed) const { return wire_ == Wire::plain && consumed - opened_ < least_; }
+    /// The same over TLS. `data`: bytes that came in its records since the WebSocket opened.
+    bool unmaskedInRecords(uint64_t data) const { return wire_ == Wire::tls && data < least_; }
 
     /// Messages that the bytes make up which came since the last call and were not delivered, at LEAST_FRAME bytes each.
     double unaccounted(uint64_t consumed);

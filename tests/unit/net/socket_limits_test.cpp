@@ -314,6 +314,54 @@ TEST(SocketLimits, ViewersDoNotGiveWayAndHealthIsToldBeyondTheLimit) {
     }
 }
 
+TEST(SocketLimits, HowLongToWaitFollowsHowOftenConnectionsLeave) {
+    SocketOptions small = options();
+    small.spareConnections = 0;
+    Server s(small);
+    { EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200); }  // leaves, and nobody after it
+    auto viewers = clients(s.port(), 4);
+    for (auto& viewer : viewers) ASSERT_EQ(viewer->upgrade(OURS).status, 101);
+    std::this_thread::sleep_for(3s);
+    for (const std::string& request : {std::string("/"), std::string("/ws")}) {
+        WebClient late(s.port());
+        const HttpAnswer answer = request == "/ws" ? late.upgrade(OURS) : late.get(request);
+        EXPECT_EQ(answer.status, 503);
+        EXPECT_GE(std::stoi("0" + answer.header("retry-after")), request == "/" ? 4 : 2);
+    }
+}
+
+TEST(SocketLimits, AnotherUpgradeIsRefusedWithOurHeaders) {
+    Server s;
+    const auto answerTo = [&](const std::string& upgrade) {
+        WebClient client(s.port());
+        return client.get("/", "Connection: Upgrade\r\nUpgrade: " + upgrade + "\r\n");
+    };
+    EXPECT_EQ(answerTo("h2c").status, 426);
+    EXPECT_EQ(answerTo("xyz").status, 403);
+    for (const char* upgrade : {"h2c", "xyz"}) {
+        const HttpAnswer answer = answerTo(upgrade);
+        EXPECT_EQ(answer.header("x-content-type-options"), "nosniff") << upgrade;
+        EXPECT_THAT(answer.header("content-security-policy"), HasSubstr("frame-ancestors 'none'")) << upgrade;
+        EXPECT_EQ(answer.head.find("nosniff"), answer.head.rfind("nosniff")) << "said once";
+    }
+    WebClient client(s.port());
+    client.send(
+        "GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: WebSocket\r\nConnection: upgrade\r\n"
+        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+        OURS + "\r\n");
+    EXPECT_EQ(client.readAnswer().status, 101) << "a token without regard to case";
+}
+
+TEST(SocketLimits, AViewersGuessesDoNotHideTheFigures) {
+    SocketOptions guarded = options();
+    guarded.token = TOKEN;
+    Server s(guarded);
+    for (int i = 0; i < FREE_GUESSES + 1; i++) WebClient(s.port()).upgrade(OURS + "Authorization: Bearer guess\r\n");
+    EXPECT_EQ(WebClient(s.port()).upgrade(OURS + BEARER).status, 429);
+    EXPECT_EQ(WebClient(s.port()).get("/metrics", BEARER).status, 200);
+    EXPECT_EQ(WebClient(s.port()).get("/healthz").status, 200);
+}
+
 TEST(SocketLimits, AFileThatIsNotReadIsNotKept) {
     SocketOptions quick = options();
     quick.times.write = 300ms;

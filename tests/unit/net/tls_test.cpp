@@ -96,7 +96,8 @@ struct TlsClient {
     SSL* ssl = nullptr;
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
 
-    TlsClient(int port, int highestVersion = TLS1_3_VERSION) {
+    TlsClient(int port, int highestVersion = TLS1_3_VERSION, const char* cipher = "") {
+        if (*cipher) SSL_CTX_set_cipher_list(context, cipher);
         SSL_CTX_set_max_proto_version(context, highestVersion);
         const unsigned char offer[] = {2, 'h', '2', 8, 'h', 't', 't', 'p', '/', '1', '.', '1'};
         SSL_CTX_set_alpn_protos(context, offer, sizeof offer);
@@ -270,6 +271,25 @@ TEST(Tls, RecordsAreNotChargedAsMessages) {
         EXPECT_TRUE(tail.ends_with("the end")) << version << " closed with " << echo.lastCode;
         std::this_thread::sleep_for(std::chrono::milliseconds(600));  // two looks of the server
         EXPECT_EQ(echo.lastCode, -1) << version;
+    }
+}
+
+TEST(Tls, FramesWithoutAMaskAreRefused) {
+    // Each cipher takes other room in a record.
+    for (const char* cipher : {"ECDHE-ECDSA-AES128-GCM-SHA256", "ECDHE-ECDSA-CHACHA20-POLY1305", ""}) {
+        Certificate certificate;
+        Echo echo;
+        SocketServer server(options(certificate), echo);
+        server.start();
+        TlsClient client(server.port(), *cipher ? TLS1_2_VERSION : TLS1_3_VERSION, cipher);
+        ASSERT_TRUE(client.shakeHands()) << cipher;
+        client.send(UPGRADE);
+        ASSERT_TRUE(client.read(12).starts_with("HTTP/1.1 101"));
+        for (int i = 0; i < 50; i++) client.send(test::maskedFrame(1, "masked"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));  // two looks of the server
+        EXPECT_EQ(echo.lastCode, -1) << cipher;
+        for (int i = 0; i < 3; i++) client.send(std::string("\x81\x08unmasked", 10));
+        EXPECT_TRUE(test::until([&] { return echo.lastCode == 1002; })) << cipher << " " << echo.lastCode;
     }
 }
 

@@ -41,10 +41,12 @@ TEST(WireLedger, AFrameInPiecesHasOneHeader) {
     EXPECT_TRUE(ledger.unmasked(HEAD + 308 + 10 + 2)) << "two bytes of a header: without the mask";
 }
 
-TEST(WireLedger, OverTlsNothingIsSaidOfMasks) {
+TEST(WireLedger, OverTlsTheRecordsTellOfMasks) {
     WireLedger ledger(Wire::tls, HEAD);
     ledger.delivered(1000, 0);
     EXPECT_FALSE(ledger.unmasked(HEAD));
+    EXPECT_FALSE(ledger.unmaskedInRecords(1008));
+    EXPECT_TRUE(ledger.unmaskedInRecords(1004)) << "four bytes fewer: without the mask";
 }
 
 TEST(WireLedger, PingsAreChargedAsMessages) {

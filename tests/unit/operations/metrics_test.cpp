@@ -60,7 +60,7 @@ TEST(MetricsText, CountsByReasonDeviceAndOutcome) {
     state.mostViewers = 32;
     const std::string out = text(metrics, state);
     for (const char* line :
-         {"heliograph_connections_closed_total{reason=\"stalled\"} 1\n",
+         {"heliograph_connections_closed_total{reason=\"stalled\"} 1\n", "heliograph_viewers_stalled_total 1\n",
           "heliograph_connections_closed_total{reason=\"viewer_left\"} 0\n",
           "heliograph_connections_refused_total{reason=\"no_room\"} 1\n",
           "heliograph_connections_refused_total{reason=\"token\"} 0\n", "heliograph_scene_loads_total{outcome=\"failed\"} 1\n",
