@@ -51,6 +51,8 @@ jpeglib.h        encode
 png.h            images encode
 OpenImageIO/     images/module
 tiny_gltf.h      scene/load
+draco/           scene/load
+meshoptimizer.h  scene/load
 CLI/             app main
 tbb/             scene/build scene/generate scene/load device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
 toml++/          operations

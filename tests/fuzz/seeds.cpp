@@ -4,6 +4,7 @@
 #include "server/encode/png_encoder.h"
 #include "server/net/protocol.h"
 #include "server/request/settings.h"
+#include "tests/support/compressed_files.h"
 
 namespace heliograph::fuzz {
 
@@ -93,7 +94,12 @@ std::vector<Seed> glb() {
     word(36);
     word(0x004E4942);
     bytes.append(reinterpret_cast<const char*>(corners), 36);
-    return {{"triangle", bytes}};
+    const testing_files::WavyGrid grid(4);
+    return {{"triangle", bytes},
+            {"draco", testing_files::dracoGlb(grid)},
+            {"draco_sequential", testing_files::dracoGlb(grid, testing_files::dracoBytes(grid, true), grid.vertices())},
+            {"meshopt", testing_files::meshoptGlb(grid, testing_files::MeshoptKind::filtered, true)},
+            {"meshopt_indices", testing_files::meshoptGlb(grid, testing_files::MeshoptKind::exact, false)}};
 }
 
 /// The material file stands behind a NUL.

@@ -173,6 +173,7 @@ void checkAccessors(GltfDocument& document) {
         const tinygltf::Accessor& accessor = document.model.accessors[i];
         const size_t count = static_cast<size_t>(componentsOf(accessor.type));
         if (accessor.bufferView < 0 || accessor.minValues.size() != count || accessor.maxValues.size() != count) continue;
+        if (document.inexactViews.count(accessor.bufferView)) continue;
         components += accessor.count * count;
         if (components > 1'000'000 + 4 * document.sourceBytes) return;
         checkBounds(document, static_cast<int>(i));

@@ -12,6 +12,8 @@
 #include "server/base/json_text.h"
 #include "server/scene/load/file_folder.h"
 #include "server/scene/load/gltf_accessor.h"
+#include "server/scene/load/gltf_draco.h"
+#include "server/scene/load/gltf_meshopt.h"
 
 #include <cstring>
 #include <map>
@@ -114,6 +116,11 @@ public:
             const std::string at = "/buffers/" + std::to_string(i);
             const uint64_t length = buffer["byteLength"].get<uint64_t>();
             ByteSpan bytes;
+            if (isFallbackBuffer(buffer)) {
+                document_.buffers.emplace_back();
+                i++;
+                continue;
+            }
             if (buffer.contains("uri")) {
                 bytes = fromUri(buffer["uri"], at + "/uri", true);
             } else if (parts_.isBinary && i == 0 && !parts_.binary.empty()) {
@@ -208,15 +215,16 @@ void checkViews(const json& root, const GltfDocument& document) {
     if (!root.contains("bufferViews")) return;
     size_t i = 0;
     for (const json& view : root["bufferViews"]) {
+        const size_t index = i++;
+        if (isMeshoptView(view)) continue;
         const uint64_t offset = view.contains("byteOffset") ? view["byteOffset"].get<uint64_t>() : 0;
         const uint64_t length = view["byteLength"].get<uint64_t>();
         const uint64_t size = document.buffers[view["buffer"].get<size_t>()].size();
         if (offset > size || length > size - offset) {
-            throw InputError(document.at("/bufferViews/" + std::to_string(i)),
+            throw InputError(document.at("/bufferViews/" + std::to_string(index)),
                              "bytes " + std::to_string(offset) + " to " + std::to_string(offset + length),
                              "at most byte " + std::to_string(size) + ", the end of the buffer's data");
         }
-        i++;
     }
 }
 
@@ -269,6 +277,17 @@ ByteSpan GltfDocument::view(int bufferView) const {
     return buffers.at(static_cast<size_t>(view.buffer)).subspan(view.byteOffset, view.byteLength);
 }
 
+int GltfDocument::addDecoded(std::vector<uint8_t>&& bytes) {
+    decodedBytes += bytes.size();
+    storage.push_back(std::move(bytes));
+    buffers.push_back(storage.back());
+    tinygltf::BufferView view;
+    view.buffer = static_cast<int>(buffers.size() - 1);
+    view.byteLength = storage.back().size();
+    model.bufferViews.push_back(std::move(view));
+    return static_cast<int>(model.bufferViews.size() - 1);
+}
+
 GltfDocument readGltf(const std::filesystem::path& path) {
     GltfDocument document;
     document.file = path.string();
@@ -283,12 +302,16 @@ GltfDocument readGltf(const std::filesystem::path& path) {
     Resources resources(document, path, parts);
     resources.readBuffers(root);
     checkViews(root, document);
+    const std::vector<MeshoptView> compressed = meshoptViewsOf(root, document);
     json images = json::object();
     if (root.contains("images")) images["images"] = std::move(root["images"]);
     document.lightRadii = lightRadiiOf(root);
     strip(root);
+    dropCompressedIndices(root);
     parseModel(root, document);
     root = nullptr;
+    decodeMeshoptViews(compressed, document);
+    decodeDracoGeometry(document);
     checkAccessors(document);
     resources.readImages(images);
     return document;

@@ -9,6 +9,7 @@
 #include <tiny_gltf.h>
 
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,10 +37,14 @@ struct GltfDocument {
     std::vector<float> lightRadii;
     std::vector<std::string> animations;  // names; tinygltf need not see the rest of them
     std::vector<std::string> warnings;
-    uint64_t sourceBytes = 0;  // of the file and what it refers to, each once
+    uint64_t sourceBytes = 0;    // of the file and what it refers to, each once
+    uint64_t decodedBytes = 0;   // of compressed geometry, bounded by sourceBytes
+    std::set<int> inexactViews;  // decoded from lossy data: what an accessor says of their smallest and largest may differ
 
     /// Bytes of a buffer view.
     ByteSpan view(int bufferView) const;
+    /// Makes `bytes` a buffer and a buffer view of the model; returns the view. They count as decodedBytes.
+    int addDecoded(std::vector<uint8_t>&& bytes);
     /// "<file>: <JSON pointer>", for messages.
     std::string at(const std::string& pointer) const { return file + ": " + pointer; }
 

@@ -14,6 +14,7 @@ namespace {
 // Vertices and corners that a file may make whatever its size; more must be backed by bytes.
 constexpr uint64_t FREE_ELEMENTS = 3'000'000;
 constexpr uint64_t ELEMENTS_PER_BYTE = 4;
+constexpr uint64_t DECODED_BYTES_PER_ELEMENT = 2;  // a corner of 4 bytes, once more where it is flat
 
 /// Triangles from the corners of a strip, a fan or a list (glTF 2.0, chapter 3.7.2.1).
 std::vector<uvec3> assemble(const std::vector<uint32_t>& c, int mode) {
@@ -58,7 +59,10 @@ bool knownAttribute(const std::string& name) {
 }  // namespace
 
 GltfMeshReader::GltfMeshReader(const GltfDocument& document, SceneBuilder& builder)
-    : document_(document), builder_(builder), mostElements_(FREE_ELEMENTS + ELEMENTS_PER_BYTE * document.sourceBytes) {}
+    : document_(document),
+      builder_(builder),
+      mostElements_(FREE_ELEMENTS + ELEMENTS_PER_BYTE * document.sourceBytes +
+                    document.decodedBytes / DECODED_BYTES_PER_ELEMENT) {}
 
 void GltfMeshReader::account(uint64_t elements, const std::string& pointer) {
     elements_ += elements;

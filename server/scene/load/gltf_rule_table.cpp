@@ -148,6 +148,16 @@ constexpr JsonRule RULES[] = {
     {"KHR_texture_transform", "rotation", Is::number},
     {"KHR_texture_transform", "scale", Is::numbers, 2, 2},
     {"KHR_texture_transform", "texCoord", Is::whole, 0, 1024},
+    {"KHR_draco_mesh_compression", "bufferView", Is::index, 0, ANY, "bufferViews", true},
+    {"KHR_draco_mesh_compression", "attributes", Is::object, -ANY, ANY, "", true},
+    {"EXT_meshopt_compression", "fallback", Is::boolean},  // of buffers; the rest of buffer views, where gltf_meshopt.cpp asks for it
+    {"EXT_meshopt_compression", "buffer", Is::index, 0, ANY, "buffers"},
+    {"EXT_meshopt_compression", "byteOffset", Is::whole, 0, 9e15},
+    {"EXT_meshopt_compression", "byteLength", Is::whole, 1, 9e15},
+    {"EXT_meshopt_compression", "byteStride", Is::whole, 1, 256},
+    {"EXT_meshopt_compression", "count", Is::whole, 1, 4294967296},
+    {"EXT_meshopt_compression", "mode", Is::text},
+    {"EXT_meshopt_compression", "filter", Is::text},
     {"EXT_mesh_gpu_instancing", "attributes", Is::indexMap, 0, ANY, "accessors", true},
 };
 // clang-format on

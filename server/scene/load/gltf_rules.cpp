@@ -32,6 +32,8 @@ constexpr KnownExtension KNOWN[] = {
     {"KHR_texture_transform", ""},
     {"KHR_mesh_quantization", ""},
     {"EXT_mesh_gpu_instancing", "nodes"},
+    {"KHR_draco_mesh_compression", ""},
+    {"EXT_meshopt_compression", ""},
 };
 
 /// How many elements each array may have: with it, a small file cannot make the parsed structures fill the memory.
@@ -63,7 +65,6 @@ public:
         checkVersion();
         checkExtensionLists();
         checkHierarchy();
-        checkCompression();
         checkNodes();
         checkData();
         checkPlaces(root_, "", 0);
@@ -129,8 +130,6 @@ private:
         used_ = extensionList("extensionsUsed");
         const std::set<std::string> required = extensionList("extensionsRequired");
         for (const std::string& name : required) {
-            if (name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression")
-                refuse("/extensionsRequired", "'" + name + "': compressed geometry is not supported", "uncompressed geometry");
             if (!knowsGltfExtension(name)) refuse("/extensionsRequired", "unknown extension '" + name + "'", supported());
             if (!used_.count(name)) warn("/extensionsRequired names '" + name + "', /extensionsUsed does not");
         }
@@ -177,26 +176,6 @@ private:
                 if (parent[node.get<size_t>()] != nodes.size())
                     refuse(at, "node " + node.dump() + " is below another", "root nodes");
                 if (!seen.insert(node.get<size_t>()).second) refuse(at, "node " + node.dump() + " twice", "each node once");
-            }
-        }
-    }
-
-    /// Compressed geometry may come without a plain copy even where the extension is not required.
-    void checkCompression() const {
-        const json& meshes = arrayOf("meshes");
-        for (size_t m = 0; m < meshes.size(); m++) {
-            for (size_t p = 0; p < meshes[m]["primitives"].size(); p++) {
-                const json& primitive = meshes[m]["primitives"][p];
-                if (!primitive.contains("extensions") || !primitive["extensions"].contains("KHR_draco_mesh_compression"))
-                    continue;
-                const auto plain = [this](const json& index) {
-                    return arrayOf("accessors")[index.get<size_t>()].contains("bufferView");
-                };
-                const bool indices = !primitive.contains("indices") || plain(primitive["indices"]);
-                const json& attributes = primitive["attributes"];
-                if (indices && attributes.contains("POSITION") && plain(attributes["POSITION"])) continue;
-                refuse("/meshes/" + std::to_string(m) + "/primitives/" + std::to_string(p),
-                       "geometry compressed with KHR_draco_mesh_compression", "uncompressed geometry");
             }
         }
     }
