@@ -402,7 +402,7 @@ TEST(Service, RefusedTokensAreCountedByReason) {
     Viewer wrong(port);
     wrong.say({{"type", "token"}, {"token", "a guess"}});
     while (wrong.nextFrame()) {}
-    for (int i = 0; i < FREE_GUESSES + 1; i++) ask(port, "GET", "/metrics", "a guess");
+    for (int i = 0; i < FREE_GUESSES + 2; i++) ask(port, "GET", "/metrics", "a guess");
     const auto metrics = [&] {  // of another address: this one is locked out
         return WebClient(port, "127.0.0.2").get("/metrics", "Authorization: Bearer " + token + "\r\n").body;
     };
@@ -410,8 +410,38 @@ TEST(Service, RefusedTokensAreCountedByReason) {
     EXPECT_TRUE(until([&] {
         return metrics().find("heliograph_connections_closed_total{reason=\"unauthorized\"} 1") != std::string::npos;
     })) << metrics();
-    EXPECT_THAT(metrics(), HasSubstr(refused + "\"unauthorized\"} " + std::to_string(1 + FREE_GUESSES)));
+    EXPECT_THAT(metrics(), HasSubstr(refused + "\"unauthorized\"} " + std::to_string(2 + FREE_GUESSES)));
     EXPECT_THAT(metrics(), HasSubstr(refused + "\"too_many\"} 1"));
+}
+
+TEST(Service, TwoSocketsLookAtOneView) {
+    Running s;
+    const int port = s.service.port();
+    auto a = std::make_unique<Viewer>(port);
+    Viewer b(port);
+    const std::string view = a->untilText("hello")["view"];
+    EXPECT_NE(b.untilText("hello")["view"], view);
+    a->size(64, 48, 1);
+    a->untilInput(1);
+    b.say({{"type", "watch"}, {"view", view}, {"inputId", 40}});
+    EXPECT_EQ(b.untilText("watching", "inputId", 40)["drives"], false);
+    b.untilInput(40);
+    a->look(2);
+    const uint32_t generation = a->untilInput(2).generation;
+    while (const auto header = b.nextFrame()) {
+        b.say({{"type", "ack"}, {"frameId", header->frameId}, {"presentedMs", 1.0}});
+        EXPECT_EQ(header->inputId, 40u) << "each viewer's frames answer its own inputs";
+        if (header->generation == generation) break;
+    }
+    EXPECT_TRUE(until([&] {  // the view that was left is gone
+        return WebClient(port).get("/metrics").body.find("heliograph_film_pixels " + std::to_string(64 * 48) + "\n") !=
+               std::string::npos;
+    })) << "one view, one film";
+    EXPECT_THAT(WebClient(port).get("/metrics").body, HasSubstr("heliograph_viewers 2\n"));
+    a.reset();
+    EXPECT_EQ(b.untilText("watching", "drives", true)["view"], view);
+    b.look(50);
+    b.untilInput(50);
 }
 
 TEST(Service, DrainAnswersTheLastInput) {
