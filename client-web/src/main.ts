@@ -6,6 +6,7 @@ import { exposeDiagnostics } from './page/diagnostics.js';
 import { DisplayError } from './picture/display.js';
 import { el, iconButton, setText } from './page/dom.js';
 import { EffectsPanel } from './panels/effects/effects_panel.js';
+import { attachFocus } from './page/focus.js';
 import { HelpDialog } from './page/help.js';
 import { attachKeyboard, attachPointers } from './camera/input.js';
 import { Panel } from './panels/panel.js';
@@ -98,6 +99,7 @@ function start(): void {
   );
 
   attachPointers(canvas, viewer.controller, (x, y) => viewer.focusAt(x, y));
+  attachFocus(canvas);
   attachKeyboard(viewer.controller, {
     F1: togglePanels,
     F2: () => viewer.togglePath(),

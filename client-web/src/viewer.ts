@@ -21,6 +21,7 @@ import {
   type WatchingMessage,
 } from './wire/protocol.js';
 import { Restoring } from './reconnect.js';
+import { onPixelRatio } from './picture/pixel_ratio.js';
 import { pictureSize, type ResolutionMode } from './picture/resolution.js';
 import { SettingsModel } from './panels/settings/settings_model.js';
 import { ShownPartition } from './panels/partition/shown_partition.js';
@@ -90,6 +91,7 @@ export class Viewer {
       changed: () => this.emit('camera'),
     });
     window.addEventListener('resize', () => this.resized());
+    onPixelRatio(() => this.resized());
     this.measure();
   }
 

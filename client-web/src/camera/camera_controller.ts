@@ -82,6 +82,11 @@ export class CameraController {
     return this.mode_;
   }
 
+  /** Keys of flying are held. */
+  get flying(): boolean {
+    return this.held_.size > 0;
+  }
+
   /** Off while the server moves the camera along a path. */
   set enabled(on: boolean) {
     this.enabled_ = on;

@@ -1,61 +1,80 @@
 // Mouse, touch, pen and keyboard on the picture, handed on as the controller's terms.
 
-import type { CameraController, HeldAction } from './camera_controller.js';
+import type { CameraController } from './camera_controller.js';
+import { HELD_KEYS, keyUse, type FocusedControl } from './key_use.js';
 import { LongPress } from './long_press.js';
-
-const HELD_KEYS: Readonly<Record<string, HeldAction>> = {
-  KeyW: 'forward',
-  KeyS: 'back',
-  KeyA: 'left',
-  KeyD: 'right',
-  KeyQ: 'rollLeft',
-  KeyE: 'rollRight',
-  KeyT: 'widen',
-  KeyG: 'narrow',
-  Space: 'faster',
-  ShiftLeft: 'slower',
-  ShiftRight: 'slower',
-  ArrowLeft: 'lookLeft',
-  ArrowRight: 'lookRight',
-  ArrowUp: 'lookUp',
-  ArrowDown: 'lookDown',
-};
 
 const LINE_PIXELS = 33; // a wheel event in lines: three lines are about one notch
 
-/** Whether a key pressed here belongs to the control that has the focus. */
-function belongsToControl(event: KeyboardEvent): boolean {
-  const target = event.target;
-  if (!(target instanceof Element)) return false;
-  if (target.closest('dialog, [role="menu"]')) return true;
+function controlOf(target: EventTarget | null): FocusedControl {
+  if (!(target instanceof Element)) return 'none';
+  if (target.closest('dialog, [role="menu"]') || document.querySelector('dialog[open]') !== null) return 'dialog';
   const field = target.closest('input, select, textarea');
-  if (field instanceof HTMLInputElement && (field.type === 'checkbox' || field.type === 'range')) {
-    return event.code === 'Space' || event.code.startsWith('Arrow');
-  }
-  if (field !== null) return true;
-  return event.code === 'Space' && target.closest('button, summary, a') !== null;
+  if (field instanceof HTMLInputElement && (field.type === 'checkbox' || field.type === 'range')) return 'slider';
+  if (field !== null) return 'text';
+  return target.closest('button, summary, a') === null ? 'none' : 'button';
 }
 
-export function attachKeyboard(controller: CameraController, shortcuts: Readonly<Record<string, () => void>>): void {
-  window.addEventListener('keydown', (event) => {
+/** Held keys of flying, as the browser tells of them; keys that it does not tell of any more are let go. */
+class Keyboard {
+  private away_ = false; // the window lost the focus: what is pressed now is never said to be let go
+  private readonly swallowed_ = new Set<string>(); // codes whose keyup shall press no button either
+
+  constructor(
+    private readonly controller_: CameraController,
+    private readonly shortcuts_: Readonly<Record<string, () => void>>,
+  ) {}
+
+  /** The window has the focus again. */
+  back(): void {
+    this.away_ = false;
+  }
+
+  leave(event: Event): void {
+    this.away_ = true;
+    this.controller_.releaseAll(event.timeStamp);
+  }
+
+  down(event: KeyboardEvent): void {
+    // macOS swallows the keyup of what is held while Command is.
+    if (event.key === 'Meta' || event.code.startsWith('Meta')) return this.controller_.releaseAll(event.timeStamp);
     const plain = !event.ctrlKey && !event.metaKey && !event.altKey;
-    const shortcut = shortcuts[event.code] ?? shortcuts[event.key];
-    const functionKey = /^F\d+$/.test(event.code);
-    if (shortcut !== undefined && plain && (functionKey || !belongsToControl(event))) {
+    const { flying } = this.controller_;
+    const use = keyUse({ code: event.code, plain, control: controlOf(event.target), flying });
+    if (use === 'control') return;
+    const shortcut = this.shortcuts_[event.code] ?? this.shortcuts_[event.key];
+    if (use === 'page') {
+      if (shortcut === undefined) return;
       event.preventDefault();
       if (!event.repeat) shortcut();
       return;
     }
+    if (!/^(Key|Shift)/.test(event.code)) {
+      event.preventDefault();
+      this.swallowed_.add(event.code);
+    }
     const action = HELD_KEYS[event.code];
-    if (action === undefined || !plain || belongsToControl(event)) return;
-    if (event.code === 'Space' || event.code.startsWith('Arrow')) event.preventDefault();
-    controller.press(action, event.timeStamp);
-  });
-  window.addEventListener('keyup', (event) => {
+    if (action !== undefined && !this.away_) this.controller_.press(action, event.timeStamp);
+  }
+
+  up(event: KeyboardEvent): void {
+    if (event.key === 'Meta' || event.code.startsWith('Meta')) this.controller_.releaseAll(event.timeStamp);
+    if (this.swallowed_.delete(event.code)) event.preventDefault(); // Firefox presses a button by its keyup
     const action = HELD_KEYS[event.code];
-    if (action !== undefined) controller.release(action, event.timeStamp);
+    if (action !== undefined) this.controller_.release(action, event.timeStamp);
+  }
+}
+
+export function attachKeyboard(controller: CameraController, shortcuts: Readonly<Record<string, () => void>>): void {
+  const keyboard = new Keyboard(controller, shortcuts);
+  window.addEventListener('keydown', (event) => keyboard.down(event));
+  window.addEventListener('keyup', (event) => keyboard.up(event));
+  window.addEventListener('blur', (event) => keyboard.leave(event));
+  window.addEventListener('focus', () => keyboard.back());
+  window.addEventListener('pointerdown', () => keyboard.back(), { capture: true });
+  document.addEventListener('visibilitychange', (event) => {
+    if (document.hidden) controller.releaseAll(event.timeStamp);
   });
-  window.addEventListener('blur', (event) => controller.releaseAll(event.timeStamp));
 }
 
 interface Pointer {
