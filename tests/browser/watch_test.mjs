@@ -1,6 +1,8 @@
 // Two pages at one real server: one drives a view, the other watches it by its address, and drives when the first has gone. Part of
 // client_test.mjs; run alone: node tests/browser/watch_test.mjs. Writes screenshots to out/browser.
 
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { badControls, overlaps } from './look.mjs';
@@ -8,6 +10,7 @@ import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } fr
 
 const SIZE = { width: 1100, height: 700 };
 const BANNER = 'You watch a view of somebody else';
+const ADMIN = 'the-secret-of-admins';
 
 /** One page of a browser. */
 class Tab {
@@ -133,8 +136,30 @@ async function comesAndGoes(checks, address, driver, watcher) {
   });
 }
 
+/** An admin closes the only connection left (4003): the page says so, and does not come again by itself. */
+async function dismissed(checks, address, watcher) {
+  await checks.check('who is disconnected by an admin is told, and stays away', async () => {
+    const headers = { authorization: `Bearer ${ADMIN}` };
+    const viewers = async () => (await (await fetch(`${address}admin/viewers`, { headers })).json()).viewers;
+    await until('one viewer alone', 10_000, async () => (await viewers()).length === 1);
+    const [{ viewer }] = await viewers();
+    const { status } = await fetch(`${address}admin/viewers/${viewer}`, { method: 'DELETE', headers });
+    expect(status === 200, `HTTP ${status}`);
+    const banner = watcher.page.locator('.banner:visible');
+    await banner.getByText('The operator of the server closed this connection.').waitFor({ timeout: 10_000 });
+    await banner.getByText('Not connected').waitFor({ timeout: 1000 });
+    await watcher.page.screenshot({ path: join(outFolder, 'dismissed.png') });
+    await pause(6000); // longer than the longest wait between two attempts
+    expect((await viewers()).length === 0, 'it came again');
+    expect((await watcher.state()).connection === 'stopped', (await watcher.state()).connection);
+  });
+}
+
 export async function watchChecks(checks) {
-  const server = new Server(await freePort(), 'cornell');
+  const folder = mkdtempSync(join(tmpdir(), 'heliograph-admin-'));
+  const tokenFile = join(folder, 'token');
+  writeFileSync(tokenFile, `${ADMIN}\n`);
+  const server = new Server(await freePort(), 'cornell', undefined, { HELIOGRAPH_ADMIN_TOKEN_FILE: tokenFile });
   // A browser each: what is not in front draws nothing.
   const browsers = [new Browser(), new Browser()];
   try {
@@ -144,6 +169,7 @@ export async function watchChecks(checks) {
     await watchesFrames(checks, address, driver, watcher);
     await drivesNothing(checks, driver, watcher);
     await comesAndGoes(checks, address, driver, watcher);
+    await dismissed(checks, address, watcher);
     await checks.check('nothing was wrong in the browser\u2019s console (watching)', async () => {
       const problems = browsers.flatMap((browser) => browser.problems);
       expect(problems.length === 0, problems.join('\n'));
@@ -151,6 +177,7 @@ export async function watchChecks(checks) {
   } finally {
     for (const browser of browsers) await browser.stop();
     await server.kill();
+    rmSync(folder, { recursive: true, force: true });
   }
 }
 
