@@ -49,6 +49,7 @@ nats             pool
 turbojpeg.h      images encode
 jpeglib.h        encode
 png.h            images encode
+webp/            images
 OpenImageIO/     images/module
 tiny_gltf.h      scene/load
 draco/           scene/load

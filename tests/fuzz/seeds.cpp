@@ -6,6 +6,8 @@
 #include "server/request/settings.h"
 #include "tests/support/compressed_files.h"
 
+#include <webp/encode.h>
+
 namespace heliograph::fuzz {
 
 namespace {
@@ -64,6 +66,13 @@ std::vector<Seed> images() {
     std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n";
     for (int i = 0; i < 64; i++) hdr += static_cast<char>(i % 4 == 3 ? 129 : 16 * i);
     seeds.push_back({"hdr", hdr});
+    std::string turned = "#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_xyze\n\n+X 4 +Y 4\n";
+    for (int i = 0; i < 64; i++) turned += static_cast<char>(i % 16 < 12 ? 1 + i % 4 / 3 : 129);
+    seeds.push_back({"hdr_turned", turned});
+    uint8_t* webp = nullptr;
+    const size_t size = WebPEncodeLosslessRGBA(image.rgba.data(), 8, 8, 32, &webp);
+    seeds.push_back({"webp", {reinterpret_cast<const char*>(webp), size}});
+    WebPFree(webp);
     return seeds;
 }
 

@@ -158,6 +158,10 @@ constexpr JsonRule RULES[] = {
     {"EXT_meshopt_compression", "count", Is::whole, 1, 4294967296},
     {"EXT_meshopt_compression", "mode", Is::text},
     {"EXT_meshopt_compression", "filter", Is::text},
+    {"EXT_texture_webp", "source", Is::index, 0, ANY, "images"},
+    {"KHR_texture_basisu", "source", Is::index, 0, ANY, "images"},
+    {"KHR_materials_variants", "variants", Is::list, -ANY, ANY, "variant"},  // of the root
+    {"variant", "name", Is::text, 0, 0, "", true},
     {"EXT_mesh_gpu_instancing", "attributes", Is::indexMap, 0, ANY, "accessors", true},
 };
 // clang-format on

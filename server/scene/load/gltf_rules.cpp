@@ -34,6 +34,9 @@ constexpr KnownExtension KNOWN[] = {
     {"EXT_mesh_gpu_instancing", "nodes"},
     {"KHR_draco_mesh_compression", ""},
     {"EXT_meshopt_compression", ""},
+    {"EXT_texture_webp", "textures"},
+    {"KHR_texture_basisu", "textures"},
+    {"KHR_materials_variants", ""},
 };
 
 /// How many elements each array may have: with it, a small file cannot make the parsed structures fill the memory.
@@ -67,6 +70,7 @@ public:
         checkHierarchy();
         checkNodes();
         checkData();
+        tellVariants();
         checkPlaces(root_, "", 0);
     }
 
@@ -178,6 +182,20 @@ private:
                 if (!seen.insert(node.get<size_t>()).second) refuse(at, "node " + node.dump() + " twice", "each node once");
             }
         }
+    }
+
+    /// Other looks that the file offers: the materials that primitives name themselves are drawn.
+    void tellVariants() {
+        const json::json_pointer variants("/extensions/KHR_materials_variants/variants");
+        if (!root_.contains(variants)) return;
+        std::vector<std::string> names;
+        for (const json& variant : root_[variants])
+            names.push_back("'" + variant["name"].get<std::string>().substr(0, 40) + "'");
+        const size_t most = 20, count = names.size();
+        if (count > most) names.resize(most);
+        warn("material variants cannot be chosen, the file's own look is drawn: " +
+             joined(names, ", ", [](const std::string& n) { return n; }) +
+             (count > most ? " and " + std::to_string(count - most) + " more" : ""));
     }
 
     void checkNodes() {

@@ -63,7 +63,14 @@ TextureUse TextureUse::fromValue(const tinygltf::Value& extension, const char* k
 
 int GltfTextures::imageOf(int texture) const {
     if (texture < 0 || static_cast<size_t>(texture) >= document_.model.textures.size()) return -1;
-    return document_.model.textures[static_cast<size_t>(texture)].source;
+    const tinygltf::Texture& from = document_.model.textures[static_cast<size_t>(texture)];
+    if (from.source >= 0)
+        return from.source;  // where a file has a PNG or JPEG beside the others, it is the one that any build reads
+    for (const char* name : {"EXT_texture_webp", "KHR_texture_basisu"}) {
+        const auto found = from.extensions.find(name);
+        if (found != from.extensions.end()) return static_cast<int>(numberOf(found->second, "source", -1.0));
+    }
+    return -1;
 }
 
 void GltfTextures::setSampler(TextureSlot& slot, int texture) const {

@@ -3,6 +3,7 @@
 #include "server/base/error.h"
 #include "server/images/image_module.h"
 #include "server/images/picture_reader.h"
+#include "server/images/radiance_header.h"
 #include "server/scene/load/file_folder.h"
 
 namespace heliograph {
@@ -21,23 +22,28 @@ struct Format {
     PictureSize (*readSize)(std::span<const uint8_t>);
     void (*read)(std::span<const uint8_t>, std::span<uint8_t>);
     const char* moduleReader;
-
-    bool hdr() const { return moduleReader != nullptr; }
+    bool hdr = false;
+    std::string_view atEight = {};  // what stands at byte 8, too
 };
 constexpr Format FORMATS[] = {
     {"\x89PNG\r\n\x1a\n", readPngSize, readPng, nullptr},
     {"\xff\xd8\xff", readJpegSize, readJpeg, nullptr},
-    {std::string_view("\x76\x2f\x31\x01", 4), nullptr, nullptr, "openexr"},
-    {"#?", nullptr, nullptr, "hdr"},
+    {std::string_view("\x76\x2f\x31\x01", 4), nullptr, nullptr, "openexr", true},
+    {"#?", nullptr, nullptr, "hdr", true},
+    {"RIFF", readWebpSize, readWebp, nullptr, false, "WEBP"},
 };
 
 /// By content, never by the file's name.
 const Format& formatOf(std::span<const uint8_t> file, const std::string& name) {
     const std::string_view bytes(reinterpret_cast<const char*>(file.data()), file.size());
     for (const Format& format : FORMATS) {
-        if (bytes.substr(0, format.magic.size()) == format.magic) return format;
+        if (bytes.substr(0, format.magic.size()) != format.magic) continue;
+        if (format.atEight.empty() || (bytes.size() > 12 && bytes.substr(8, format.atEight.size()) == format.atEight))
+            return format;
     }
-    throw InputError(name, "unknown image format", "PNG, JPEG, Radiance HDR or OpenEXR");
+    const bool ktx = bytes.size() > 6 && bytes.substr(1, 5) == "KTX 2";
+    throw InputError(name, ktx ? "a KTX2 picture, which no reader here knows" : "unknown image format",
+                     "PNG, JPEG, WebP, Radiance HDR or OpenEXR");
 }
 
 /// One call of a reader. `what` stands before its fault.
@@ -76,12 +82,21 @@ struct CheckedImage {
     const ImageModule* module;
     ImageFile file;
     ImageHeader header{};
+    RadianceHeader radiance;     // of such a picture
+    std::vector<uint8_t> plain;  // the same as OpenImageIO reads it; empty before it is asked for
+
+    bool isRadiance() const { return format.hdr && format.moduleReader == std::string_view("hdr"); }
 
     CheckedImage(std::span<const uint8_t> bytes, const std::string& name)
         : format(formatOf(bytes, name)),
-          module(format.hdr() ? &imageModule() : nullptr),
+          module(format.moduleReader ? &imageModule() : nullptr),
           file{bytes.data(), bytes.size(), format.moduleReader} {
         attempt(name, "the image cannot be read", [&] {
+            if (isRadiance()) {
+                radiance = readRadianceHeader(bytes);
+                header = {static_cast<int32_t>(radiance.perLine), static_cast<int32_t>(radiance.lines), 3, 1};
+                return;
+            }
             if (module) return callModule(module->readHeader, &file, &header);
             const PictureSize size = format.readSize(bytes);
             header = {static_cast<int32_t>(size.width), static_cast<int32_t>(size.height), 4, 1};
@@ -99,29 +114,46 @@ void spreadToRgb(std::vector<float>& pixels, size_t texels, int channels) {
     }
 }
 
+void readHdr(CheckedImage& checked, ImageData& image) {
+    const size_t texels = size_t(image.width) * image.height;
+    const int32_t channels = checked.header.channels >= 3 ? 3 : 1;
+    if (checked.isRadiance()) {
+        checked.plain = plainRadiance(checked.radiance, {checked.file.bytes, checked.file.size});
+        checked.file.bytes = checked.plain.data();
+        checked.file.size = checked.plain.size();
+    }
+    image.rgb32f.resize(texels * static_cast<size_t>(channels));
+    callModule(checked.module->readPixels, &checked.file, &checked.header, channels, image.rgb32f.data());
+    spreadToRgb(image.rgb32f, texels, channels);
+    if (!checked.isRadiance()) return;
+    straighten(checked.radiance, image.rgb32f);
+    image.width = checked.radiance.width();
+    image.height = checked.radiance.height();
+}
+
 }  // namespace
 
 ImageInfo inspectImage(std::span<const uint8_t> file, const std::string& name) {
     const CheckedImage checked(file, name);
-    return {static_cast<uint32_t>(checked.header.width), static_cast<uint32_t>(checked.header.height), checked.format.hdr()};
+    const bool turned = checked.isRadiance() && checked.radiance.columns;
+    const uint32_t width = static_cast<uint32_t>(checked.header.width), height = static_cast<uint32_t>(checked.header.height);
+    return {turned ? height : width, turned ? width : height, checked.format.hdr};
 }
 
 ImageData decodeImage(std::span<const uint8_t> file, const std::string& name, bool srgb) {
-    const CheckedImage checked(file, name);
+    CheckedImage checked(file, name);
     ImageData image;
     image.width = static_cast<uint32_t>(checked.header.width);
     image.height = static_cast<uint32_t>(checked.header.height);
     image.srgb = srgb;
     image.name = name;
-    const size_t texels = static_cast<size_t>(image.width) * image.height;
-    const int32_t channels = checked.header.channels >= 3 ? 3 : 1;  // of an HDR picture
-    if (checked.format.hdr()) image.rgb32f.resize(texels * static_cast<size_t>(channels));
-    else image.rgba8.resize(texels * 4);
     attempt(name, "the pixels cannot be decoded", [&] {
-        if (!checked.module) return checked.format.read(file, image.rgba8);
-        callModule(checked.module->readPixels, &checked.file, &checked.header, channels, image.rgb32f.data());
+        if (checked.format.hdr) readHdr(checked, image);
+        else {
+            image.rgba8.resize(size_t(image.width) * image.height * 4);
+            checked.format.read(file, image.rgba8);
+        }
     });
-    if (checked.format.hdr()) spreadToRgb(image.rgb32f, texels, channels);
     return image;
 }
 

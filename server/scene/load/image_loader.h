@@ -1,5 +1,5 @@
 #pragma once
-// Decodes image files: PNG, JPEG, Radiance HDR and OpenEXR. Everything is checked before memory is taken.
+// Decodes image files: PNG, JPEG, WebP, Radiance HDR and OpenEXR. Everything is checked before memory is taken.
 
 #include "server/scene/build/scene_builder.h"
 

@@ -1,0 +1,88 @@
+// Pictures that a glTF file names: what cannot be read costs its texture, never the scene.
+
+#include "server/base/error.h"
+#include "server/scene/load/scene_source.h"
+#include "tests/unit/scene/scene_files.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace heliograph {
+namespace {
+
+using namespace testing_files;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+// One grey pixel (0.2 of 1).
+const std::string PNG =
+    "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNoAAAAggCBd81ytgAAAABJRU5ErkJggg==";
+const std::string WEBP = "data:image/webp;base64,UklGRhoAAABXRUJQVlA4TA0AAAAvAAAAEAcQERGIiP4HAA==";
+const std::string KTX2 = "data:image/ktx2;base64,q0tUWCAyMLsNChoKAAAAAAEAAAA=";
+
+/// A triangle with an emissive texture; `images` and `texture` are JSON.
+std::shared_ptr<const Scene> open(const std::string& images, const std::string& texture, const std::string& extensions = {}) {
+    const ScratchFolder outer;
+    outer.write("outside.png", "x");
+    const std::string lists =
+        extensions.empty() ? "" : R"(,"extensionsUsed":[)" + extensions + R"(],"extensionsRequired":[)" + extensions + "]";
+    std::string json = triangleJson(dataUri(triangleBytes()), R"(,"images":[)" + images + R"(],"textures":[)" + texture +
+                                                                  R"(],"materials":[{"emissiveTexture":{"index":0}}])" + lists);
+    const std::string primitive = R"("attributes":{"POSITION":0})";
+    json.replace(json.find(primitive), primitive.size(), primitive + R"(,"material":0)");
+    return openScene(outer.write("scene/scene.gltf", json));
+}
+
+std::string image(const std::string& uri) { return R"({"uri":")" + uri + R"("})"; }
+
+TEST(GltfPictures, ThoseThatAreMissingOrForbiddenAreTold) {
+    for (const std::string uri :
+         {"gone.png", "/etc/hostname", "../outside.png", "http://example.org/a.png", "file:///etc/hostname", "%2", "a%00.png",
+          "", "data:image/png;base64,###", "data:image/png"}) {
+        SCOPED_TRACE(uri);
+        const auto scene = open(image(uri), R"({"source":0})");
+        EXPECT_EQ(scene->triangleCount(), 1u);
+        EXPECT_EQ(scene->images.size(), 0u);
+        EXPECT_THAT(scene->warnings, Contains(HasSubstr("image 0 is not drawn: ")));
+    }
+    EXPECT_THAT(open(image("../outside.png"), R"({"source":0})")->warnings,
+                Contains(AllOf(HasSubstr("'../outside.png'"), HasSubstr("a relative path inside the scene file's folder"))));
+}
+
+TEST(GltfPictures, WebpIsReadWhereThereIsNothingElse) {
+    const std::string webp = R"({"extensions":{"EXT_texture_webp":{"source":1}}})",
+                      both = R"({"source":0,"extensions":{"EXT_texture_webp":{"source":1}}})";
+    const std::string images = image(PNG) + "," + image(WEBP), name = R"("EXT_texture_webp")";
+    const auto alone = open(images, webp, name), beside = open(images, both, name);
+    ASSERT_EQ(alone->images.size(), 1u);
+    ASSERT_EQ(beside->images.size(), 1u);
+    EXPECT_THAT(alone->warnings, ::testing::Not(Contains(HasSubstr("not drawn: "))));
+    EXPECT_NE(alone->contentHash, beside->contentHash);
+    EXPECT_EQ(open(images, R"({"source":0})")->contentHash, beside->contentHash);
+}
+
+TEST(GltfPictures, BasisTexturesAreRefusedAlone) {
+    const std::string name = R"("KHR_texture_basisu")";
+    const auto scene = open(image(KTX2), R"({"extensions":{"KHR_texture_basisu":{"source":0}}})", name);
+    EXPECT_EQ(scene->triangleCount(), 1u);
+    EXPECT_THAT(scene->warnings, Contains(AllOf(HasSubstr("image 0 is not drawn: "), HasSubstr("KTX2"))));
+    const auto beside =
+        open(image(KTX2) + "," + image(PNG), R"({"source":1,"extensions":{"KHR_texture_basisu":{"source":0}}})", name);
+    EXPECT_EQ(beside->images.size(), 1u);
+    EXPECT_THROW(open(image(KTX2), R"({"extensions":{"KHR_texture_basisu":{"source":7}}})", name), InputError);
+}
+
+TEST(GltfPictures, VariantsAreTold) {
+    const ScratchFolder folder;
+    const auto scene = openScene(folder.write(
+        "scene.gltf",
+        triangleJson(
+            dataUri(triangleBytes()),
+            R"(,"extensionsUsed":["KHR_materials_variants"],"extensions":{"KHR_materials_variants":{"variants":[{"name":"beach"},{"name":"street"}]}})")));
+    EXPECT_THAT(scene->warnings,
+                Contains(HasSubstr("material variants cannot be chosen, the file's own look is drawn: 'beach', 'street'")));
+}
+
+}  // namespace
+}  // namespace heliograph
