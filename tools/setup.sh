@@ -101,7 +101,7 @@ ensure_page() {
     mark build/page.stamp "$sum"
 }
 
-# configure PRESET: makes build/PRESET ready for ninja.
+# configure PRESET [CMAKE_OPTION...]: makes build/PRESET ready for ninja.
 configure() {
     local folder=build/$1 launcher=()
     # A build folder that was made for another place (a moved or mounted checkout) cannot be used.
@@ -110,7 +110,7 @@ configure() {
     [ ! -f "$folder/build.ninja" ] || return 0
     if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
     say "Configuring $folder"
-    quietly "out/setup/configure-$1.log" "Configuring" cmake --preset "$1" "${launcher[@]}"
+    quietly "out/setup/configure-$1.log" "Configuring" cmake --preset "$1" "${launcher[@]}" "${@:2}"
 }
 
 # build PRESET LOG [TARGET]: compiles; progress on a terminal, warnings always, everything in LOG.
