@@ -6,13 +6,15 @@
 set -u
 cd "$(dirname "$(readlink -f "$0")")/../.." || exit 1
 . tests/packaging/root.sh
-passed=0 failed=0
+passed=0 failed=0 container='' mounted=''
 mkdir -p out/packaging
 work=$(mktemp -d -p out/packaging)
 work=$(readlink -f "$work")
 buildah=(buildah --root "$work/root" --runroot "$work/run" --storage-driver vfs)
 options=(--pull-never --isolation chroot --network host --format docker "--build-arg=BASE=localhost/base:bookworm")
-if [ "${1:-}" = --prebuilt ]; then options+=(--build-arg=PACKAGES=prebuilt); shift; fi
+packages=build  # said, because buildah 1.28 does not see through the default when it skips stages
+if [ "${1:-}" = --prebuilt ]; then packages=prebuilt; shift; fi
+options+=("--build-arg=PACKAGES=$packages")
 [ -z "${HELIOGRAPH_CA:-}" ] || options+=(--volume "$HELIOGRAPH_CA:/usr/local/share/ca-certificates/more.crt:ro")
 options+=("$@")
 server=
@@ -89,13 +91,14 @@ weigh() {
     bytes=$(tar -C "$mounted" --one-file-system -c . | gzip -6 | wc -c)
     echo "      $1: $((bytes / 1000000)) MB compressed, $(du -s --block-size=1000000 "$mounted" | cut -f 1) MB on disk; the largest:"
     (cd "$mounted" && find . -xdev -type f -size +2M -printf '%s %p\n' | sort -rn | head -n 8 | awk '{ printf "        %6.1f MB %s\n", $1 / 1e6, $2 }')
-    [ "$bytes" -le "$2" ]
+    [ "$bytes" -gt 1000000 ] && [ "$bytes" -le "$2" ]
 }
 
 expect "a base image" base_image
 expect "docker/Dockerfile builds" image heliograph Dockerfile
 expect "docker/Dockerfile.gpu builds" image heliograph:gpu Dockerfile.gpu --build-arg=IMAGE=localhost/heliograph
 expect "a container of it" container_of heliograph
+[ $failed = 0 ] || { echo "$passed passed, $failed failed"; exit 1; }
 weigh "docker/Dockerfile" 150000000
 expect "  which is at most 150 MB" test $? = 0
 expect "no compiler in it" bash -c "! ls '$mounted'/usr/bin | grep -E '^(gcc|g\+\+|cc|clang|cmake|ninja|node|make)'"
