@@ -24,18 +24,61 @@ one_at_a_time() {
     (flock 9 && "$@" 9>&-) 9>build/.lock
 }
 
-# missing_packages GROUP...: the packages of these groups in packages.txt that this machine lacks.
-missing_packages() {
-    local group package command wanted=()
-    while read -r group package command; do
+# system: name and version of this system, as /etc/os-release tells; is_debian_12.
+OS_RELEASE=${HELIOGRAPH_OS_RELEASE:-/etc/os-release}
+system() { (. "$OS_RELEASE" 2>/dev/null && echo "${PRETTY_NAME:-an unknown system}") || uname -sr; }
+is_debian_12() { (. "$OS_RELEASE" 2>/dev/null && [ "${ID:-} ${VERSION_ID:-}" = "debian 12" ]); }
+
+# wanted_packages GROUP...: the packages of these groups in packages.txt whose command is not here, each with what tells.
+wanted_packages() {
+    local group package tells
+    while read -r group package tells; do
         [[ " $* " == *" $group "* ]] || continue
-        if [ -n "$command" ] && command -v "$command" >/dev/null; then continue; fi
-        wanted+=("$package")
+        if [[ -n $tells && $tells != '<'* ]] && command -v "$tells" >/dev/null; then continue; fi
+        echo "$package $tells"
     done < <(grep -v '^#' packages.txt)
+}
+
+# missing_packages GROUP...: those of them that dpkg does not know as installed.
+missing_packages() {
+    local wanted=()
+    mapfile -t wanted < <(wanted_packages "$@" | cut -d ' ' -f 1)
     [ ${#wanted[@]} -gt 0 ] || return 0
     dpkg-query -W -f '${Package} ${db:Status-Status}\n' "${wanted[@]}" 2>/dev/null |
         awk -v wanted="${wanted[*]}" '$2 == "installed" { have[$1] = 1 }
             END { n = split(wanted, name, " "); for (i = 1; i <= n; i++) if (!(name[i] in have)) print name[i] }'
+}
+
+# missing_elsewhere GROUP...: those whose command or header is not here. What has neither is not looked for.
+missing_elsewhere() {
+    local package tells folder found
+    while read -r package tells; do
+        [ -n "$tells" ] || continue
+        found=
+        if [[ $tells == '<'* ]]; then
+            tells=${tells#<} tells=${tells%>}
+            for folder in ${HELIOGRAPH_INCLUDES:-/usr/include /usr/local/include /usr/include/*-linux-gnu}; do
+                [ ! -e "$folder/$tells" ] || found=yes
+            done
+        fi
+        [ -n "$found" ] || echo "$package ($tells)"
+    done < <(wanted_packages "$@")
+}
+
+# say_container GROUP...: what does the same without installing anything here.
+say_container() {
+    complain "In a container instead, with Docker or Podman:"
+    if [[ " $* " == *" check "* ]]; then
+        complain "  docker run --rm -it -v \"\$PWD\":/src -w /src debian:bookworm ./check"
+    else
+        complain "  docker build -f docker/Dockerfile -t heliograph . &&"
+        complain "  docker run --rm -p 127.0.0.1:8080:8080 heliograph serve --insecure"
+    fi
+}
+
+# unreachable LOG: the line of a log that says that the network was not reached.
+unreachable() {
+    grep -m 1 -i -E 'could not resolve|temporary failure (in name )?resol|could not connect|connection (refused|timed out)|network is unreachable|ENOTFOUND|EAI_AGAIN|ECONNREFUSED|ETIMEDOUT|ENETUNREACH' "$1" | cut -c 1-200
 }
 
 apt_install() {
@@ -43,19 +86,35 @@ apt_install() {
     DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 install --no-install-recommends "$@"
 }
 
-# ensure_packages GROUP...: installs what is missing, as root or by sudo.
-ensure_packages() {
-    if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
-        say "No apt-get here: going on in the hope that what packages.txt lists is installed."
+# ensure_elsewhere GROUP...: on another system than Debian 12 nothing is installed; what lacks is named.
+ensure_elsewhere() {
+    local missing=()
+    mapfile -t missing < <(missing_elsewhere "$@")
+    if [ ${#missing[@]} -eq 0 ]; then
+        say "This is $(system), not Debian 12: going on, as all that is looked for is here."
         return 0
     fi
-    local missing=() sudo=()
+    complain "This is $(system). Heliograph installs what it needs on Debian 12 only; here these are missing"
+    complain "(names of Debian's packages, and the command or header by which they are found):"
+    printf '  %s\n' "${missing[@]}" >&2
+    say_container "$@"
+    return 1
+}
+
+# ensure_packages GROUP...: installs what is missing, as root or by sudo.
+ensure_packages() {
+    if ! is_debian_12 || ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+        ensure_elsewhere "$@"
+        return
+    fi
+    local missing=() sudo=() line
     mapfile -t missing < <(missing_packages "$@")
     [ ${#missing[@]} -gt 0 ] || return 0
     if [ "$(id -u)" != 0 ]; then
         if ! command -v sudo >/dev/null; then
             complain "These Debian packages are missing, and installing them takes root. Please run as root:"
             complain "  apt-get install -y --no-install-recommends ${missing[*]}"
+            say_container "$@"
             return 1
         fi
         sudo=(sudo)
@@ -64,7 +123,17 @@ ensure_packages() {
     fi
     say "Installing ${#missing[@]} Debian packages and what they need, a minute or two: ${missing[*]}"
     quietly out/setup/apt.log "Installing Debian packages" \
-        "${sudo[@]}" bash -c "$(declare -f apt_install); apt_install \"\$@\"" apt_install "${missing[@]}"
+        "${sudo[@]}" bash -c "$(declare -f apt_install); apt_install \"\$@\"" apt_install "${missing[@]}" && return 0
+    if line=$(unreachable out/setup/apt.log) && [ -n "$line" ]; then
+        complain "The package mirror was not reached: $line"
+        complain "With network, or where a mirror can be reached, the same command goes on. These packages are missing:"
+        complain "  ${missing[*]}"
+    elif [ ${#sudo[@]} -gt 0 ]; then
+        complain "Where sudo is not allowed, an administrator runs:"
+        complain "  apt-get install -y --no-install-recommends ${missing[*]}"
+        say_container "$@"
+    fi
+    return 1
 }
 
 # sum_of PATH...: a checksum over names and contents of all files below.
@@ -86,7 +155,15 @@ ensure_modules() {
     sum="$(sum_of client-web/package.json client-web/package-lock.json) node $major" || return 1
     if up_to_date client-web/node_modules/.heliograph-stamp "$sum"; then return 0; fi
     say "Installing npm modules"
-    quietly out/setup/npm.log "npm ci" npm --prefix client-web ci --no-audit --no-fund --loglevel=error || return 1
+    if ! quietly out/setup/npm.log "npm ci" npm --prefix client-web ci --no-audit --no-fund --loglevel=error; then
+        local line
+        line=$(unreachable out/setup/npm.log)
+        if [ -n "$line" ]; then
+            complain "The npm registry was not reached: $line"
+            complain "The page needs it once; client-web/node_modules of another machine with the same node does, too."
+        fi
+        return 1
+    fi
     mark client-web/node_modules/.heliograph-stamp "$sum"
 }
 
