@@ -47,6 +47,11 @@ export class Frames {
     if (reason === 'undecodable') this.hooks_.undecodable(frame);
   }
 
+  /** A part of a picture was taken; the last one is told by what becomes of the picture. */
+  partTaken(frame: Frame, time: number): void {
+    this.acknowledge(frame.frameId, null, time);
+  }
+
   /** The connection has ended: frame ids begin anew with the next one. */
   reset(): void {
     this.arrivals_.clear();

@@ -77,6 +77,7 @@ export class Viewer {
         this.emit('frame');
       },
       dropped: (frame, reason) => this.frames_.dropped(frame, reason, performance.now()),
+      partTaken: (frame) => this.frames_.partTaken(frame, performance.now()),
     });
     const hooks = {
       state: (state: ConnectionState) => this.connectionChanged(state),
@@ -92,6 +93,7 @@ export class Viewer {
     });
     window.addEventListener('resize', () => this.resized());
     onPixelRatio(() => this.resized());
+    document.addEventListener('visibilitychange', () => this.tellClient());
     this.measure();
   }
 
@@ -279,6 +281,7 @@ export class Viewer {
     const before = this.state.hello;
     this.state.hello = hello;
     this.settings.setSchema(hello.schema);
+    this.tellClient();
     const watched = this.watching.begin();
     this.controller.enabled = watched === null;
     if (watched === null && before !== null && this.state.readyName !== '') this.restoring_.begin(this.state.readyName);
@@ -293,6 +296,11 @@ export class Viewer {
     if (watched === null) this.drive();
     else this.connection_.send({ type: 'watch', inputId: this.nextInputId(), view: watched });
     this.emit('watching');
+  }
+
+  /** A page that nobody sees is sent nothing. */
+  private tellClient(): void {
+    this.connection_.send({ type: 'client', visible: !document.hidden, exact: true });
   }
 
   /** Tells the server what this page wants of its own view. */
@@ -376,7 +384,7 @@ export class Viewer {
   private binary(buffer: ArrayBuffer): void {
     const frame = parseFrame(buffer, this.state.hello?.devices ?? []);
     this.stream.receivedRate.push(performance.now(), buffer.byteLength);
-    if (frame.kind === 'frame') {
+    if (frame.kind !== 'picture') {
       // While the scene from before a reconnect is on its way, frames show the server's own: not what was looked at.
       this.frames_.arrived(frame, this.restoring_.active, performance.now());
       return;

@@ -226,12 +226,15 @@ void FrameLoop::startPicture(const PictureOrder& order) {
     }
 }
 
+/// A film that is smaller for the moment is never the last one, however many samples it has.
 void FrameLoop::deliverFilm() {
+    FinishedFrame frame = film_.frame(*resident_->scene, run_.has_value());
     {
         std::lock_guard lock(mutex_);
-        pace_.delivered(*film_.view());
+        pace_.delivered(frame.view);
+        frame.final = frame.final && !pace_.smaller(frame.view);
     }
-    receiver_.take(film_.frame(*resident_->scene, run_.has_value()));
+    receiver_.take(std::move(frame));
 }
 
 void FrameLoop::renderFilm() {

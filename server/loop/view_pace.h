@@ -22,6 +22,8 @@ public:
     void asked(const ViewRequest& request);
     /// The request as it is rendered: its `renderScale` is the one of the moment.
     ViewRequest paced(ViewRequest request) const;
+    /// Whether this view, as it was rendered, is smaller than it shall be in the end.
+    bool smaller(const ViewRequest& paced) const { return paced.settings.renderScale < newest_.settings.renderScale; }
     /// A pass over this view is finished, `seconds` after it asked for the device.
     void passed(const ViewRequest& view, double seconds);
     /// A picture of this view was handed over.

@@ -160,6 +160,11 @@ void read(const Fields& fields, WatchMessage& message) {
     if (!fields.isNull("view")) message.view = fields.text("view", VIEW_ID_LIMIT);
 }
 
+void read(const Fields& fields, ClientMessage& message) {
+    if (!fields.isNull("visible")) message.visible = fields.boolean("visible");
+    if (!fields.isNull("exact")) message.exact = fields.boolean("exact");
+}
+
 /// The alternatives of ViewerMessage by their TYPE.
 template <typename Variant>
 struct Types;
@@ -227,7 +232,7 @@ ViewerMessage parseViewerMessage(std::string_view text) {
 namespace {
 
 template <typename T>
-void put(std::span<uint8_t, FRAME_HEADER_BYTES> bytes, size_t offset, T value) {
+void put(std::span<uint8_t> bytes, size_t offset, T value) {
     for (size_t i = 0; i < sizeof(T); i++) bytes[offset + i] = static_cast<uint8_t>(value >> (8 * i));
 }
 
@@ -266,6 +271,14 @@ void writeFrameHeader(const FrameHeader& header, std::span<uint8_t, FRAME_HEADER
     put<uint32_t>(bytes, SEND_MICROS_OFFSET, header.sendMicros);
     put<uint32_t>(bytes, 56, header.payloadBytes);
     put<uint32_t>(bytes, 60, header.devices);
+}
+
+void writePartHeader(const FrameHeader& header, const PartPlace& place,
+                     std::span<uint8_t, FRAME_HEADER_BYTES + PART_PLACE_BYTES> bytes) {
+    writeFrameHeader(header, bytes.first<FRAME_HEADER_BYTES>());
+    put<uint16_t>(bytes, 4, FRAME_HEADER_BYTES + PART_PLACE_BYTES);
+    const uint32_t fields[] = {place.origin.x, place.origin.y, place.size.x, place.size.y};
+    for (size_t i = 0; i < 4; i++) put<uint16_t>(bytes, FRAME_HEADER_BYTES + 2 * i, static_cast<uint16_t>(fields[i]));
 }
 
 FrameHeader readFrameHeader(std::span<const uint8_t> bytes) {

@@ -94,8 +94,16 @@ struct WatchMessage {
     std::optional<std::string> view;  // nothing: one of its own
 };
 
-using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
-                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, WatchMessage>;
+/// What a viewer's program is like at the moment.
+struct ClientMessage {
+    static constexpr const char* TYPE = "client";
+    bool visible = true;  // somebody can see its pictures
+    bool exact = false;   // it puts pictures together from parts
+};
+
+using ViewerMessage =
+    std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage, PathMessage,
+                 PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, WatchMessage, ClientMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {
@@ -114,7 +122,7 @@ private:
 /// `settings.values` are checked later, by Settings::set. Throws MessageError.
 ViewerMessage parseViewerMessage(std::string_view text);
 
-enum class FrameKind : uint8_t { frame = 1, picture = 2 };
+enum class FrameKind : uint8_t { frame = 1, picture = 2, part = 3 };
 enum class FrameCodec : uint8_t { jpeg = 0, png = 1, exr = 2 };
 constexpr uint8_t FRAME_MOVING = 1;
 constexpr uint8_t FRAME_FINAL = 2;
@@ -145,6 +153,15 @@ struct FrameHeader {
 
 /// Writes the 64 bytes, little endian.
 void writeFrameHeader(const FrameHeader& header, std::span<uint8_t, FRAME_HEADER_BYTES> bytes);
+/// What follows the 64 bytes of a part's header: which pixels of the picture its payload holds.
+constexpr size_t PART_PLACE_BYTES = 8;
+struct PartPlace {
+    uvec2 origin{0, 0};
+    uvec2 size{0, 0};
+};
+/// Writes the 64 bytes and the place, which count as header.
+void writePartHeader(const FrameHeader& header, const PartPlace& place,
+                     std::span<uint8_t, FRAME_HEADER_BYTES + PART_PLACE_BYTES> bytes);
 /// The reverse. Throws InputError for a wrong magic, a header length under 64 or too few bytes.
 FrameHeader readFrameHeader(std::span<const uint8_t> bytes);
 /// Sets `sendMicros` in a header that is already written; the socket alone knows it.

@@ -12,9 +12,26 @@ void EncodeThread::finish() {
     if (thread_.joinable()) thread_.join();
 }
 
-void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header) {
+void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header, bool keep) {
     busy_.store(true, std::memory_order_release);
-    jobs_.put({std::move(frame), header});
+    jobs_.put({std::move(frame), header, keep});
+}
+
+void EncodeThread::encode(std::shared_ptr<const StillPicture> still, uint32_t firstRow, uint32_t rows,
+                          const FrameHeader& header) {
+    busy_.store(true, std::memory_order_release);
+    jobs_.put({Part{std::move(still), firstRow, rows}, header});
+}
+
+EncodedFrame EncodeThread::made(const Job& job) {
+    const auto* part = std::get_if<Part>(&job.what);
+    if (part) return maker_.makePart(*part->still, part->firstRow, part->rows, job.header);
+    const auto& frame = std::get<FinishedFrame>(job.what);
+    if (!frame.picture) return maker_.make(frame, job.header, job.keep);
+    // A saved picture of many pixels takes seconds, and its viewer has no frames meanwhile; the others have.
+    EncodedFrame encoded;
+    inBackground([&] { encoded = maker_.make(frame, job.header); });
+    return encoded;
 }
 
 void EncodeThread::run() {
@@ -23,14 +40,11 @@ void EncodeThread::run() {
         std::optional<EncodedFrame> encoded;
         std::string failure;
         try {
-            auto make = [&] { encoded = maker_.make(job->first, job->second); };
-            // A saved picture of many pixels takes seconds, and its viewer has no frames meanwhile; the others have.
-            if (job->first.picture) inBackground(make);
-            else make();
+            encoded = made(*job);
         } catch (const std::exception& e) {
             failure = e.what();
         }
-        const uint32_t frameId = job->second.frameId;
+        const uint32_t frameId = job->header.frameId;
         job.reset();  // the film is free for the next pass
         busy_.store(false, std::memory_order_release);
         tell(frameId, std::move(encoded), failure);

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <functional>
 #include <thread>
+#include <variant>
 
 namespace heliograph {
 
@@ -23,14 +24,25 @@ public:
     bool busy() const { return busy_.load(std::memory_order_acquire); }
     /// What it is at. `viewer`: for whom.
     std::optional<RunningStage> stage(uint32_t viewer) const { return stages_.running(viewer); }
-    /// `header`: what PictureMaker::make needs of it. Must not be called while busy.
-    void encode(FinishedFrame frame, const FrameHeader& header);
+    /// `header`, `keep`: as PictureMaker::make. Must not be called while busy.
+    void encode(FinishedFrame frame, const FrameHeader& header, bool keep);
+    /// A part of a picture, as PictureMaker::makePart. Must not be called while busy.
+    void encode(std::shared_ptr<const StillPicture> still, uint32_t firstRow, uint32_t rows, const FrameHeader& header);
     /// Ends after the frame in work and waits for that; what comes later is dropped.
     void finish();
 
 private:
-    using Job = std::pair<FinishedFrame, FrameHeader>;
+    struct Part {
+        std::shared_ptr<const StillPicture> still;
+        uint32_t firstRow, rows;
+    };
+    struct Job {
+        std::variant<FinishedFrame, Part> what;
+        FrameHeader header;
+        bool keep = false;
+    };
     void run();
+    EncodedFrame made(const Job& job);
     void tell(uint32_t frameId, std::optional<EncodedFrame> encoded, const std::string& failure);
 
     Done encoded_;

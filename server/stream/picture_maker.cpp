@@ -58,7 +58,7 @@ struct PictureMaker::Encoders {
 PictureMaker::PictureMaker() : encoders_(std::make_unique<Encoders>()) {}
 PictureMaker::~PictureMaker() = default;
 
-EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header) {
+EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, bool keep) {
     EncodedFrame result;
     StopWatch watch;
     const double before = threadCpuSeconds();
@@ -70,23 +70,52 @@ EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header) 
     if (header.codec == FrameCodec::exr) encodeExr(pixels_, frame.size, payload_);
     else if (header.codec == FrameCodec::png) encoders_->png->encode(display_, header.quality, payload_);
     else encoders_->jpeg->encode(display_, header.quality, payload_);
-    header.payloadBytes = static_cast<uint32_t>(payload_.size());
-    std::vector<uint8_t>& bytes = result.picture.bytes;
-    bytes.reserve(SOCKET_HEADROOM + FRAME_HEADER_BYTES + payload_.size());
-    bytes.resize(SOCKET_HEADROOM + FRAME_HEADER_BYTES);
-    bytes.insert(bytes.end(), payload_.begin(), payload_.end());
-    header.encodeMicros = micros(watch.seconds());
-    result.coreSeconds = threadCpuSeconds() - before;
-
     describe(frame, header);
-    writeFrameHeader(header, std::span(bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES>());
-    result.picture.kind = header.kind;
-    result.picture.frameId = header.frameId;
-    result.picture.encoded = std::chrono::steady_clock::now();
+    header.encodeMicros = micros(watch.seconds());
     result.header = header;
+    finish(result, 0);
+    result.coreSeconds = threadCpuSeconds() - before;
+    writeFrameHeader(result.header, std::span(result.picture.bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES>());
     result.figures = frame.figures;
     result.order = frame.picture;
     result.targetSamples = frame.view.settings.samples;
+    if (keep) result.still = std::make_shared<StillPicture>(std::move(display_), result.header);
+    return result;
+}
+
+/// Puts the payload behind room for the header and the place of a part.
+void PictureMaker::finish(EncodedFrame& result, size_t placeBytes) {
+    result.header.payloadBytes = static_cast<uint32_t>(payload_.size());
+    std::vector<uint8_t>& bytes = result.picture.bytes;
+    bytes.reserve(SOCKET_HEADROOM + FRAME_HEADER_BYTES + placeBytes + payload_.size());
+    bytes.resize(SOCKET_HEADROOM + FRAME_HEADER_BYTES + placeBytes);
+    bytes.insert(bytes.end(), payload_.begin(), payload_.end());
+    result.picture.kind = result.header.kind;
+    result.picture.frameId = result.header.frameId;
+    result.picture.encoded = std::chrono::steady_clock::now();
+}
+
+EncodedFrame PictureMaker::makePart(const StillPicture& still, uint32_t firstRow, uint32_t rows, FrameHeader header) {
+    EncodedFrame result;
+    StopWatch watch;
+    const double before = threadCpuSeconds();
+    const size_t rowBytes = static_cast<size_t>(still.image.width) * 4;
+    const auto from = still.image.rgba.begin() + static_cast<ptrdiff_t>(firstRow * rowBytes);
+    display_.width = still.image.width;
+    display_.height = rows;
+    display_.rgba.assign(from, from + static_cast<ptrdiff_t>(rows * rowBytes));
+    encoders_->png->encode(display_, 0, payload_);
+    result.header = still.header;
+    result.header.kind = FrameKind::part;
+    result.header.codec = FrameCodec::png;
+    result.header.quality = 0;
+    result.header.frameId = header.frameId;
+    result.header.developMicros = result.header.renderMicros = result.header.inputMicros = 0;
+    result.header.encodeMicros = micros(watch.seconds());
+    finish(result, PART_PLACE_BYTES);
+    result.coreSeconds = threadCpuSeconds() - before;
+    writePartHeader(result.header, {{0, firstRow}, {still.image.width, rows}},
+                    std::span(result.picture.bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES + PART_PLACE_BYTES>());
     return result;
 }
 

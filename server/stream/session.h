@@ -56,6 +56,7 @@ private:
     void handle(const Message& message);
     void handle(const AckMessage& message) { viewer_.acknowledge(message); }
     void handle(const PingMessage& message);
+    void handle(const ClientMessage& message) { viewer_.setClient(message); }
     void handle(const TokenMessage& message);
     void handle(const WatchMessage& message);
 

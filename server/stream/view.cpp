@@ -200,10 +200,11 @@ void View::give(Seat& seat) {
         pictureAsked_.reset();
         return viewer.take(*std::exchange(picture_, std::nullopt));
     }
-    if (!newest_ || room != Readiness::ready) return;
+    if (room != Readiness::ready) return;
+    if (!newest_) return viewer.refine();
     const Shown shown = shownBy(*newest_);
     const uint32_t inputId = inputShown(newest_->view, viewer.number(), seat.inputId);
-    if (!wants(seat.given, shown, inputId)) return;
+    if (!wants(seat.given, shown, inputId)) return viewer.refine();
     FinishedFrame frame = *newest_;
     frame.view.inputId = inputId;
     seat.film = frame.film;
@@ -287,7 +288,7 @@ std::vector<RunningStage> View::stages(const Viewer& viewer) const {
 bool View::answered(const Viewer& viewer) const {
     std::lock_guard lock(mutex_);
     const Seat* seat = seatOf(viewer.number());
-    if (!seat || !scene_ || request_.resolution.x == 0) return true;
+    if (!seat || !scene_ || request_.resolution.x == 0 || !viewer.visible()) return true;
     const uint32_t asked = inputShown(request_, viewer.number(), seat->inputId);
     return seat->given.shown && seat->given.inputId == asked && viewer.nothingOnItsWay();
 }

@@ -11,6 +11,7 @@ namespace {
 
 constexpr uint32_t FINAL_QUALITY = 92;    // least JPEG quality of the last frame of a view
 constexpr uint32_t PICTURE_QUALITY = 95;  // of a JPEG that was asked for
+constexpr uint32_t PART_PIXELS = 32768;  // of a part: some 60 KB, so that a new picture waits a quarter of a second at 2 Mbit/s
 
 double secondsOf(Viewer::Clock::time_point time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 double secondsNow() { return secondsOf(Viewer::Clock::now()); }
@@ -45,9 +46,23 @@ void Viewer::setQuality(uint32_t quality) {
     quality_ = quality;
 }
 
+void Viewer::setClient(const ClientMessage& client) {
+    {
+        std::lock_guard lock(mutex_);
+        client_ = client;
+    }
+    listener_.drained();
+}
+
+bool Viewer::visible() const {
+    std::lock_guard lock(mutex_);
+    return client_.visible;
+}
+
 Readiness Viewer::readiness() const {
     if (encoder_.busy()) return Readiness::busy;
     std::lock_guard lock(mutex_);
+    if (!client_.visible) return Readiness::stalled;
     if (line_.room(frameSeconds_, MAX_UNACKED)) return Readiness::ready;
     return stalledSince(line_.oldest(), secondsNow()) ? Readiness::stalled : Readiness::noCredit;
 }
@@ -61,14 +76,36 @@ bool Viewer::nothingOnItsWay() const {
 void Viewer::take(FinishedFrame frame) {
     FrameHeader header;
     header.codec = frame.picture ? codecOf(frame.picture->format) : FrameCodec::jpeg;
+    bool keep = false;
     {
         std::lock_guard lock(mutex_);
+        still_.reset();
+        keep = client_.exact && frame.final && !frame.picture && !frame.view.moving && frame.view.settings.exactAtRest;
         header.frameId = ++lastFrameId_;
         if (!frame.picture) line_.begin(header.frameId, secondsNow(), frame.view.moving);
         if (!frame.picture && frame.view.moving) smooth(frameSeconds_, frame.figures.lastPassSeconds);
         if (header.codec == FrameCodec::jpeg) header.quality = static_cast<uint8_t>(qualityOf(frame));
     }
-    encoder_.encode(std::move(frame), header);
+    encoder_.encode(std::move(frame), header, keep);
+}
+
+void Viewer::refine() {
+    if (encoder_.busy()) return;
+    FrameHeader header;
+    std::shared_ptr<const StillPicture> still;
+    uint32_t first, rows;
+    {
+        std::lock_guard lock(mutex_);
+        if (!still_ || unwritten_ || !client_.visible || !line_.room(frameSeconds_, MAX_UNACKED)) return;
+        still = still_;
+        first = stillRows_;
+        rows = std::min(std::max(PART_PIXELS / still->image.width, 1u), still->image.height - first);
+        stillRows_ += rows;
+        if (stillRows_ == still->image.height) still_.reset();
+        header.frameId = ++lastFrameId_;
+        line_.begin(header.frameId, secondsNow());
+    }
+    encoder_.encode(std::move(still), first, rows, header);
 }
 
 /// With the lock held. The last frame of a view is a better one, unless the line is short of room.
@@ -99,6 +136,7 @@ void Viewer::encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const 
         {
             std::lock_guard lock(mutex_);
             line_.drop(frameId);  // it will never be acknowledged
+            still_.reset();       // without one of its parts it is of no use
         }
         listener_.encodingFailed(failure);
     }
@@ -116,7 +154,15 @@ void Viewer::send(EncodedFrame&& frame) {
         if (!pictureAwaited_ || frame.order->number != lastPicture_) return;  // given up, and told so
         pictureAwaited_ = false;
         metrics_.picturesSent++;
+    } else if (frame.header.kind == FrameKind::part) {
+        line_.sent(frame.header.frameId, frame.picture.bytes.size() - SOCKET_HEADROOM, secondsNow());
+        metrics_.frameBytesSent += frame.picture.bytes.size() - SOCKET_HEADROOM;
+        unwritten_ = true;
     } else {
+        // Where a newer one was taken meanwhile, this picture is not the last.
+        if (frame.header.frameId == lastFrameId_) still_ = std::move(frame.still);
+        stillRows_ = 0;
+        unwritten_ = true;
         stats_.frameSent(frame);
         smooth(pictureSeconds_, frame.coreSeconds);
         line_.sent(frame.header.frameId, frame.picture.bytes.size() - SOCKET_HEADROOM, secondsNow());
@@ -165,9 +211,14 @@ bool Viewer::dropPicture() {
 
 void Viewer::written(FrameKind kind, double waitSeconds, double writeSeconds) {
     metrics_.stages[Metrics::send].add(waitSeconds);
-    if (kind != FrameKind::frame) return;
-    std::lock_guard lock(mutex_);
-    stats_.frameWritten(waitSeconds, writeSeconds);
+    if (kind == FrameKind::picture) return;
+    {
+        std::lock_guard lock(mutex_);
+        unwritten_ = false;
+        if (kind == FrameKind::frame) stats_.frameWritten(waitSeconds, writeSeconds);
+        if (!still_) return;
+    }
+    listener_.drained();
 }
 
 bool Viewer::closeIfStalled(Clock::time_point now) {

@@ -36,9 +36,15 @@ public:
 
     /// JPEG quality of the frames from now on, 1..100.
     void setQuality(uint32_t quality);
+    /// What is at the other end. Where nobody sees pictures none are sent.
+    void setClient(const ClientMessage& client);
+    bool visible() const;
     Readiness readiness() const;
     /// Encodes and sends the frame; only when `readiness` is ready, for a picture when it is not busy.
     void take(FinishedFrame frame);
+    /// Goes on with the parts of the last picture, which make it exact; does nothing where there are none, or no room. To be called
+    /// when there is nothing else to take.
+    void refine();
     /// No frame is being encoded or waits to be acknowledged, or nothing was for long.
     bool nothingOnItsWay() const;
     /// The viewer has shown a frame. Throws InputError for one that was never sent.
@@ -78,8 +84,12 @@ private:
 
     mutable std::mutex mutex_;  // of all below; held while calling socket_
     uint32_t quality_ = 80;
+    ClientMessage client_;
     uint32_t lastFrameId_ = 0;
-    LineMeter line_;  // and the frames on their way
+    std::shared_ptr<const StillPicture> still_;  // the last picture, until all its parts were sent
+    uint32_t stillRows_ = 0;                     // of it, that were
+    bool unwritten_ = false;                     // a frame or part waits in the socket, where the next one would replace it
+    LineMeter line_;                             // and the frames on their way
     QualityLadder ladder_;
     LineFigures figures_;
     double frameSeconds_ = 0.05;  // of a pass while the view moves, smoothed

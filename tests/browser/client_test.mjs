@@ -1,6 +1,6 @@
 // The page in Chromium against a real server: what a visitor does, from the first picture to a server that dies and
 // comes back. HELIOGRAPH_BINARY names the server (default build/release/heliograph), HELIOGRAPH_CHROMIUM the browser.
-// Then two pages at one view (watch_test.mjs), and what a real server seldom does, against the fake one (fake_test.mjs). Writes screenshots to out/browser.
+// Then the stream (stream_test.mjs), two pages at one view (watch_test.mjs), and what a real server seldom does, against the fake one (fake_test.mjs). Writes screenshots to out/browser.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
@@ -8,6 +8,7 @@ import { fakeChecks } from './fake_test.mjs';
 import { keyChecks } from './keys_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
+import { streamChecks } from './stream_test.mjs';
 import { watchChecks } from './watch_test.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
@@ -386,6 +387,7 @@ try {
 } finally {
   await browser.stop();
   await server.kill();
+  await streamChecks(checks);
   await watchChecks(checks);
   await fakeChecks(checks);
   await keyChecks(checks);

@@ -16,6 +16,7 @@ export interface Diagnostics {
     readonly width: number;
     readonly height: number;
     readonly final: boolean;
+    readonly exact: boolean;
     readonly devices: readonly string[]; // that took part
   } | null;
   readonly partition: { readonly frameId: number; readonly devices: readonly string[] } | null; // on the picture
@@ -58,6 +59,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
               width: frame.width,
               height: frame.height,
               final: frame.final,
+              exact: frame.exact,
               devices: [...frame.devices],
             },
       partition: shown === null ? null : { frameId: shown.partition.frameId, devices: [...shown.partition.devices] },

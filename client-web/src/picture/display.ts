@@ -1,6 +1,7 @@
 // Shows frames on the canvas: decoded off the main thread by createImageBitmap, handed to the canvas without a copy, at
 // most one per animation frame.
 
+import { ExactPicture } from './exact_picture.js';
 import { FrameQueue } from './frame_queue.js';
 import { MIME_TYPES, type Frame } from '../wire/frame.js';
 
@@ -15,6 +16,24 @@ export interface DisplayHooks {
   drawn(frame: Frame): void;
   presented(presentation: Presentation): void;
   dropped(frame: Frame, reason: 'newer' | 'undecodable'): void;
+  /** A part of a picture was taken, or is of no use. */
+  partTaken(frame: Frame): void;
+}
+
+/** The bytes of the file are the pixels: no profile of the screen, no alpha. */
+const decode = (frame: Frame): Promise<ImageBitmap> =>
+  createImageBitmap(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] }), {
+    colorSpaceConversion: 'none',
+    premultiplyAlpha: 'none',
+  });
+
+/** One picture of parts. */
+function putTogether(parts: readonly { readonly image: ImageBitmap; readonly frame: Frame }[], whole: Frame): ImageBitmap {
+  const canvas = new OffscreenCanvas(whole.width, whole.height);
+  const context = canvas.getContext('2d', { alpha: false });
+  if (context === null) throw new DisplayError('This browser cannot put pictures together.');
+  for (const { image, frame } of parts) context.drawImage(image, frame.place?.x ?? 0, frame.place?.y ?? 0);
+  return canvas.transferToImageBitmap();
 }
 
 /** The canvas cannot show pictures in this browser. */
@@ -23,6 +42,7 @@ export class DisplayError extends Error {}
 export class Display {
   private readonly context_: ImageBitmapRenderingContext;
   private readonly queue_: FrameQueue<ImageBitmap>;
+  private readonly exact_: ExactPicture<ImageBitmap>;
   private readonly afterPaint_ = new MessageChannel();
   private shown_: Omit<Presentation, 'time'>[] = [];
 
@@ -34,7 +54,7 @@ export class Display {
     if (context === null) throw new DisplayError('This browser cannot draw decoded pictures on a canvas.');
     this.context_ = context;
     this.queue_ = new FrameQueue<ImageBitmap>({
-      decode: (frame) => createImageBitmap(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] })),
+      decode,
       schedule: () => this.schedule(),
       draw: (image, frame, decodeMs) => {
         this.draw(image, frame, decodeMs);
@@ -42,6 +62,12 @@ export class Display {
       },
       dropped: hooks.dropped,
       now: () => performance.now(),
+    });
+    this.exact_ = new ExactPicture<ImageBitmap>({
+      decode,
+      complete: (parts, frame) =>
+        this.queue_.pushDecoded({ ...frame, kind: 'frame', exact: true }, putTogether(parts, frame)),
+      acknowledge: hooks.partTaken,
     });
     document.addEventListener('visibilitychange', () => {
       if (document.hidden) this.queue_.present();
@@ -65,12 +91,15 @@ export class Display {
   }
 
   push(frame: Frame): void {
+    if (frame.kind === 'part') return void this.exact_.push(frame);
+    this.exact_.forget();
     void this.queue_.push(frame);
   }
 
   /** To be called when a connection ends: frame ids begin anew with the next one. */
   reset(): void {
     this.queue_.reset();
+    this.exact_.forget();
     this.shown_ = [];
   }
 

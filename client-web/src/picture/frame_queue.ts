@@ -58,6 +58,11 @@ export class FrameQueue<Image extends DecodedImage> {
     this.offer({ frame, image, decodeMs: this.hooks_.now() - begin });
   }
 
+  /** Takes a frame that is decoded already. */
+  pushDecoded(frame: Frame, image: Image): void {
+    this.offer({ frame, image, decodeMs: 0 });
+  }
+
   /** Draws the frame that waits, if any. */
   present(): void {
     const ready = this.ready_;

@@ -10,6 +10,13 @@ export interface PaceText {
 
 const megabits = (bytesPerSecond: number): string => `${((bytesPerSecond * 8) / 1e6).toFixed(1)} Mbit/s`;
 
+/** Of a picture that came without loss. */
+export const exactText = (samples: number): PaceText => ({
+  label: 'Exact',
+  figure: `${samples} samples`,
+  help: 'Every pixel is, bit for bit, that of the picture on the server.',
+});
+
 /** Null where nothing limits. */
 export function paceText(pace: Pace): PaceText | null {
   const size = `Pictures of a moving view have ${Math.round(pace.scale * 100)} % of the width and JPEG quality ${pace.quality}`;

@@ -14,12 +14,22 @@ export const MIME_TYPES: Readonly<Record<Codec, string>> = {
   exr: 'image/x-exr',
 };
 
+/** Which pixels of a picture a part holds. */
+export interface Place {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
 export interface Frame {
-  readonly kind: 'frame' | 'picture';
+  readonly kind: 'frame' | 'picture' | 'part';
+  readonly place: Place | null; // of a part: `width` and `height` are the whole picture's
   readonly codec: Codec;
   readonly moving: boolean;
   readonly final: boolean; // the sample target is reached
   readonly path: boolean; // a frame of the benchmark path
+  readonly exact: boolean; // no code of a pixel differs from the server's picture
   readonly quality: number; // jpeg
   readonly frameId: number;
   readonly inputId: number; // newest input that this picture shows
@@ -46,6 +56,15 @@ export function deviceNames(bits: number, kinds: readonly DeviceKind[]): readonl
   return [...known.map(({ name }) => name), ...(rest === 0 ? [] : ['other'])];
 }
 
+const KINDS: Readonly<Record<number, Frame['kind']>> = { 1: 'frame', 2: 'picture', 3: 'part' };
+
+function placeOf(view: DataView, headerBytes: number): Place {
+  const bytes = HEADER_BYTES + 8;
+  if (headerBytes < bytes) throw new ProtocolError(`part header: ${headerBytes} bytes, allowed: at least ${bytes}`);
+  const [x, y, width, height] = [0, 2, 4, 6].map((offset) => view.getUint16(HEADER_BYTES + offset, true));
+  return { x: x!, y: y!, width: width!, height: height! };
+}
+
 /**
  * Reads a binary message. `kinds`: the devices that `hello` named. Throws ProtocolError naming field, found value and what
  * is allowed.
@@ -58,7 +77,8 @@ export function parseFrame(buffer: ArrayBuffer, kinds: readonly DeviceKind[]): F
   if (view.getUint8(0) !== 0x48 || view.getUint8(1) !== 0x47)
     throw new ProtocolError('frame: does not start with "HG"');
   const kind = view.getUint8(2);
-  if (kind !== 1 && kind !== 2) throw new ProtocolError(`frame kind: ${kind}, allowed: 1, 2`);
+  const name = KINDS[kind];
+  if (name === undefined) throw new ProtocolError(`frame kind: ${kind}, allowed: 1, 2, 3`);
   const codec = CODECS[view.getUint8(3)];
   if (codec === undefined)
     throw new ProtocolError(`frame codec: ${view.getUint8(3)}, allowed: 0 to ${CODECS.length - 1}`);
@@ -70,11 +90,13 @@ export function parseFrame(buffer: ArrayBuffer, kinds: readonly DeviceKind[]): F
   const flags = view.getUint8(6);
   const milliseconds = (offset: number): number => view.getUint32(offset, true) / 1000;
   return {
-    kind: kind === 1 ? 'frame' : 'picture',
+    kind: name,
+    place: name === 'part' ? placeOf(view, headerBytes) : null,
     codec,
     moving: (flags & 1) !== 0,
     final: (flags & 2) !== 0,
     path: (flags & 4) !== 0,
+    exact: false, // a part is, but no picture
     quality: view.getUint8(7),
     frameId: view.getUint32(8, true),
     inputId: view.getUint32(12, true),

@@ -17,4 +17,5 @@ export type ViewerMessage =
   | { type: 'focus'; inputId: number; x: number; y: number } // 0..1 of the picture, from its top left corner
   | { type: 'watch'; inputId: number; view?: string } // without a view: one of its own
   | { type: 'ping'; time: number; roundTripMs: number | null } // of the ping before
+  | { type: 'client'; visible: boolean; exact: boolean } // whether somebody sees the page; it puts parts together
   | { type: 'token'; token: string };

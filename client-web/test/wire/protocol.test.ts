@@ -47,10 +47,12 @@ test('parseFrame: reads every field', () => {
   const { payload, ...header } = parseFrame(frameBytes(), DEVICE_KINDS);
   assert.deepEqual(header, {
     kind: 'frame',
+    place: null,
     codec: 'jpeg',
     moving: true,
     final: false,
     path: true,
+    exact: false,
     quality: 80,
     frameId: 4_000_000_001,
     inputId: 77,
@@ -71,6 +73,16 @@ test('parseFrame: reads every field', () => {
   assert.deepEqual([...payload], [0xff, 0xd8]);
 });
 
+test('parseFrame: a part says which pixels it holds', () => {
+  const buffer = frameBytes([7, 8], HEADER_BYTES + 8);
+  const view = new DataView(buffer);
+  view.setUint8(2, 3);
+  [0, 120, 640, 24].forEach((value, i) => view.setUint16(HEADER_BYTES + 2 * i, value, true));
+  const { kind, place, width, height, payload } = parseFrame(buffer, []);
+  assert.deepEqual([kind, place, width, height], ['part', { x: 0, y: 120, width: 640, height: 24 }, 640, 360]);
+  assert.deepEqual([...payload], [7, 8]);
+});
+
 test('parseFrame: skips what a longer header adds', () => {
   assert.deepEqual([...parseFrame(frameBytes([1, 2, 3], 80), []).payload], [1, 2, 3]);
 });
@@ -79,7 +91,8 @@ test('parseFrame: refuses what is not a frame', () => {
   const bad: readonly (readonly [string, ArrayBuffer])[] = [
     ['bytes', new ArrayBuffer(63)],
     ['HG', changed(0, 0)],
-    ['kind', changed(2, 3)],
+    ['kind', changed(2, 4)],
+    ['part header', changed(2, 3)],
     ['codec', changed(3, 9)],
     ['header', changed(4, 10)],
     ['payload', changed(56, 200)],

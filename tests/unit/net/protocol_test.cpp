@@ -64,6 +64,16 @@ TEST(Protocol, ReadsEveryOtherType) {
     EXPECT_EQ(std::get<TokenMessage>(parseViewerMessage(R"({"type":"token","token":"abc"})")).token, "abc");
 }
 
+TEST(Protocol, AClientSaysWhatItIsLike) {
+    const auto plain = std::get<ClientMessage>(parseViewerMessage(R"({"type":"client"})"));
+    EXPECT_TRUE(plain.visible);
+    EXPECT_FALSE(plain.exact);
+    const auto page = std::get<ClientMessage>(parseViewerMessage(R"({"type":"client","visible":false,"exact":true})"));
+    EXPECT_FALSE(page.visible);
+    EXPECT_TRUE(page.exact);
+    EXPECT_THROW(parseViewerMessage(R"({"type":"client","visible":1})"), MessageError);
+}
+
 TEST(Protocol, AWatchNamesAViewOrNone) {
     const WatchMessage named = std::get<WatchMessage>(parseViewerMessage(R"({"type":"watch","inputId":3,"view":"ab"})"));
     EXPECT_EQ(named.view, "ab");

@@ -1,6 +1,7 @@
 #include "server/stream/viewer.h"
 
 #include "server/base/error.h"
+#include "server/images/picture_reader.h"
 
 #include "tests/support/until.h"
 #include <gtest/gtest.h>
@@ -15,10 +16,13 @@ using namespace std::chrono_literals;
 /// Keeps the headers of what is sent; counts events.
 struct Seat : ViewerSocket, ViewerListener {
     void sendText(std::string) override {}
+    /// As the socket's thread tells it.
+    void write(FrameKind kind) { viewer.written(kind, 0.0, 0.0); }
     std::optional<uint32_t> sendPicture(OutgoingPicture picture) override {
         blocked.wait(true);
         std::lock_guard lock(mutex);
         headers.push_back(readFrameHeader(std::span(picture.bytes).subspan(SOCKET_HEADROOM)));
+        messages.emplace_back(picture.bytes.begin() + SOCKET_HEADROOM, picture.bytes.end());
         return std::exchange(replaced, std::nullopt);
     }
     void close(CloseCode, const std::string&) override {}
@@ -40,6 +44,7 @@ struct Seat : ViewerSocket, ViewerListener {
     std::mutex mutex;
     std::condition_variable changed;
     std::vector<FrameHeader> headers;
+    std::vector<std::vector<uint8_t>> messages;
     std::vector<std::string> failures;
     std::optional<uint32_t> replaced;  // by the next frame
     int drains = 0;
@@ -109,6 +114,99 @@ TEST(Viewer, WhatIsNeverShownTakesNoCredit) {
     EXPECT_EQ(seat.viewer.readiness(), Readiness::ready) << "of three, one is on its way";
     EXPECT_FALSE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 9s));
     EXPECT_TRUE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 11s));
+}
+
+/// The last frame of a view at rest.
+FinishedFrame lastFrameOf(uvec2 size) {
+    FinishedFrame frame = frameOf(size, 1);
+    frame.final = true;
+    return frame;
+}
+
+/// Takes what a viewer has for it, acknowledging each, until nothing more comes. `frames`: how many were sent before.
+void takeAll(Seat& seat, size_t frames) {
+    for (size_t before = 0; before != seat.messages.size();) {
+        before = seat.messages.size();
+        seat.write(seat.headers.back().kind);
+        for (size_t i = frames; i < before; i++) seat.viewer.acknowledge({seat.headers[i].frameId, std::nullopt});
+        seat.viewer.refine();
+        ASSERT_TRUE(test::until([&] { return seat.viewer.readiness() == Readiness::ready; }));
+    }
+}
+
+TEST(Viewer, AtRestThePartsMakeThePictureExact) {
+    Seat seat;
+    seat.viewer.setClient({true, true});
+    const FinishedFrame last = lastFrameOf(uvec2(400, 300));
+    seat.viewer.take(last);
+    ASSERT_TRUE(test::until([&] { return seat.viewer.readiness() == Readiness::ready && !seat.messages.empty(); }));
+    seat.viewer.refine();
+    EXPECT_EQ(seat.messages.size(), 1u) << "a part would replace the frame that waits in the socket";
+    takeAll(seat, 0);
+    ASSERT_GE(seat.messages.size(), 3u);
+    PictureMaker maker;
+    FrameHeader header;
+    header.codec = FrameCodec::png;
+    const EncodedFrame whole = maker.make(last, header);
+    std::vector<uint8_t> wanted(400 * 300 * 4), found(wanted.size());
+    readPng(std::span(whole.picture.bytes).subspan(SOCKET_HEADROOM + FRAME_HEADER_BYTES), wanted);
+    uint32_t row = 0;
+    for (size_t i = 1; i < seat.messages.size(); i++) {
+        const std::vector<uint8_t>& bytes = seat.messages[i];
+        EXPECT_EQ(seat.headers[i].kind, FrameKind::part);
+        EXPECT_EQ(seat.headers[i].size, uvec2(400, 300)) << "of the whole";
+        EXPECT_EQ(seat.headers[i].inputId, 7u);
+        const uint32_t first = bytes[66] | bytes[67] << 8, rows = bytes[70] | bytes[71] << 8;
+        EXPECT_EQ(first, row);
+        EXPECT_EQ(bytes[68] | bytes[69] << 8, 400);
+        readPng(std::span(bytes).subspan(72), std::span(found).subspan(size_t(400) * 4 * row, size_t(400) * 4 * rows));
+        row += rows;
+    }
+    EXPECT_EQ(row, 300u);
+    EXPECT_EQ(found, wanted);
+}
+
+TEST(Viewer, ANewerPictureEndsThePartsOfTheLastOne) {
+    Seat seat;
+    seat.viewer.setClient({true, true});
+    seat.viewer.take(lastFrameOf(uvec2(400, 300)));
+    ASSERT_TRUE(test::until([&] { return seat.viewer.readiness() == Readiness::ready && !seat.messages.empty(); }));
+    seat.write(FrameKind::frame);
+    seat.viewer.refine();
+    ASSERT_TRUE(test::until([&] { return seat.viewer.readiness() == Readiness::noCredit; }));
+    for (uint32_t id : {1u, 2u}) seat.viewer.acknowledge({id, std::nullopt});
+    seat.viewer.take(frameOf(uvec2(400, 300), 2));
+    ASSERT_TRUE(test::until([&] { return seat.viewer.readiness() == Readiness::ready; }));
+    takeAll(seat, 2);
+    ASSERT_EQ(seat.headers.size(), 3u);
+    EXPECT_EQ(seat.headers[1].kind, FrameKind::part);
+    EXPECT_EQ(seat.headers[2].kind, FrameKind::frame);
+}
+
+TEST(Viewer, PartsAreForWhoAsksForThemWhereTheViewIsToBecomeExact) {
+    for (const bool asks : {false, true}) {
+        Seat seat;
+        seat.viewer.setClient({true, asks});
+        FinishedFrame last = lastFrameOf(uvec2(64, 64));
+        last.view.settings.exactAtRest = !asks;
+        seat.viewer.take(last);
+        ASSERT_TRUE(test::until([&] { return seat.viewer.readiness() == Readiness::ready && !seat.messages.empty(); }));
+        takeAll(seat, 0);
+        EXPECT_EQ(seat.messages.size(), 1u) << asks;
+    }
+}
+
+TEST(Viewer, WhoSeesNothingIsSentNothing) {
+    Seat seat;
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::ready);
+    seat.viewer.setClient({false, true});
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::stalled);
+    EXPECT_FALSE(seat.viewer.visible());
+    EXPECT_FALSE(seat.viewer.closeIfStalled(Viewer::Clock::now() + 1h));
+    const int drains = seat.drains;
+    seat.viewer.setClient({true, true});
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::ready);
+    EXPECT_EQ(seat.drains, drains + 1) << "it may take the newest now";
 }
 
 TEST(Viewer, AsManyFramesAreUnderWayAsTheLineHolds) {
