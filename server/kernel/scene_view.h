@@ -19,7 +19,7 @@ struct SceneView {
     const uint32_t* texels = nullptr;
     const Light* lights = nullptr;
     const Environment* environment = nullptr;
-    const uvec2* sobol = nullptr;  // SOBOL_COUNT points
+    const uvec2* sobol = nullptr;  // SOBOL_COUNT points, then the lobe table
 };
 
 }  // namespace heliograph

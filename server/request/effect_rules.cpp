@@ -152,20 +152,23 @@ bool bumpy(const Material& m) { return m.normalTexture != NO_INDEX && lit(m); }
 
 bool shines(const Light& light) { return light.intensity.x > 0.0f || light.intensity.y > 0.0f || light.intensity.z > 0.0f; }
 
+/// Whether a metallic-roughness material has a specular lobe.
+bool specular(const Material& m) {
+    bool coloured = m.specular.x > 0.0f || m.specular.y > 0.0f || m.specular.z > 0.0f;
+    return m.metallic > 0.0f || (m.ior != 1.0f && coloured && m.specular.w < 1.0f);
+}
+
 /// Whether the kernel would follow a mirror ray from it.
 bool reflects(const Scene& scene, const Material& m) {
     if (!lit(m)) return false;
     if (m.mirror > LEAST_MIRROR || (m.ior != 1.0f && transmits(scene, m))) return true;
     if (phong(m)) return false;
-    bool metal = m.metallic > 0.0f;
-    bool tinted = m.specular.x > 0.0f || m.specular.y > 0.0f || m.specular.z > 0.0f;
-    bool dielectric = m.ior != 1.0f && tinted;
-    return (metal || dielectric) && smootherThan(scene, m, ROUGHEST_MIRROR);
+    return specular(m) && smootherThan(scene, m, ROUGHEST_MIRROR);
 }
 
-/// Whether it reflects blurred: neither a mirror nor too rough to be followed.
+/// Whether it reflects blurred: anything but a mirror.
 bool glossy(const Scene& scene, const Material& m) {
-    return !phong(m) && !transmits(scene, m) && m.roughness > 0.0f && reflects(scene, m);
+    return lit(m) && !phong(m) && !transmits(scene, m) && m.roughness > 0.0f && specular(m);
 }
 
 /// Something that light falls on.
@@ -202,9 +205,12 @@ Finding onLitSurfaces(const Usage& usage) {
 
 Finding shadows(const Usage& usage) {
     const Scene& scene = usage.scene;
-    if (scene.lights.empty()) return {false, "no light"};
-    if (std::none_of(scene.lights.begin(), scene.lights.end(), shines)) return {false, "every light is black"};
+    const bool sampled = scene.environment.lightColumns > 0 || scene.environment.emitterCount > 0;
+    if (scene.lights.empty() && !sampled) return {false, "no light"};
+    const bool black = std::none_of(scene.lights.begin(), scene.lights.end(), shines);
+    if (black && !sampled) return {false, "every light is black"};
     if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
+    if (black) return {true, "light of the environment image or of glowing surfaces"};
     static const char* const KINDS[] = {"point", "spot", "directional", "headlight", "quad"};
     std::vector<std::string> kinds;
     size_t shining = 0;
@@ -240,6 +246,33 @@ Finding environment(const Usage& usage) {
     return {true, "an image of " + std::to_string(level.width) + "x" + std::to_string(level.height) + " pixels"};
 }
 
+Finding filteredEnvironment(const Usage& usage) {
+    if (Finding image = environment(usage); !image.calledFor) return image;
+    if (usage.scene.environment.filtered == NO_INDEX) return {false, "the image's light is smooth: nine coefficients hold it"};
+    if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
+    return {true, "an image whose light is not smooth: nine coefficients do not hold it"};
+}
+
+Finding environmentLight(const Usage& usage) {
+    if (Finding image = environment(usage); !image.calledFor) return image;
+    if (usage.scene.environment.lightColumns == 0) return {false, "no place of the image is far brighter than the rest"};
+    if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
+    return {true, "an image of which more than 5 % of the light comes from bright places"};
+}
+
+Finding surfaceLights(const Usage& usage) {
+    if (usage.scene.environment.emitterCount == 0) return {false, "no surface glows that no light stands for"};
+    if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
+    return {true, counted(usage.scene.environment.emitterCount, "glowing triangle")};
+}
+
+Finding roughGlass(const Usage& usage) {
+    return byItsMaterial(usage, "no rough glass",
+                         [&](const Material& m) { return !phong(m) && m.roughness > 0.0f && transmits(usage.scene, m); });
+}
+
+Finding path(const Usage& usage) { return onLitSurfaces(usage); }
+
 Finding tangents(const Usage& usage) {
     return byMaterial(usage, "no normal or bump image on a mesh with tangents",
                       [&](uint32_t m) { return bumpy(usage.scene.materials[m]) && (usage.met[m] & Usage::MET_TANGENTS) != 0; });
@@ -260,8 +293,7 @@ Finding reflections(const Usage& usage) {
 }
 
 Finding glossyReflections(const Usage& usage) {
-    return byItsMaterial(usage, "no surface between smooth and rough",
-                         [&](const Material& m) { return glossy(usage.scene, m); });
+    return byItsMaterial(usage, "no rough surface that reflects", [&](const Material& m) { return glossy(usage.scene, m); });
 }
 
 Finding refractions(const Usage& usage) {

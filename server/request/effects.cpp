@@ -10,9 +10,14 @@ struct Named : Settings {
 };
 
 using Switch = bool Settings::*;
+using Choice = uint32_t Settings::*;
 using Amount = float Settings::*;
 constexpr Switch switchOf(Switch setting) { return setting; }
 constexpr Switch switchOf(bool Named::*) { return nullptr; }
+constexpr Switch switchOf(Choice) { return nullptr; }
+constexpr Choice choiceOf(Choice setting) { return setting; }
+constexpr Choice choiceOf(Switch) { return nullptr; }
+constexpr Choice choiceOf(bool Named::*) { return nullptr; }
 constexpr Amount amountOf(Amount setting) { return setting; }
 constexpr Amount amountOf(bool Named::*) { return nullptr; }
 
@@ -20,9 +25,10 @@ constexpr EffectRow ROWS[] = {
 #define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) \
     {CONSTANT,                                                                   \
      #name,                                                                      \
-     switchOf(&Named::setting) ? std::string_view(#setting) : "",                \
+     std::string_view(#setting) == "none" ? "" : std::string_view(#setting),     \
      help,                                                                       \
      switchOf(&Named::setting),                                                  \
+     choiceOf(&Named::setting),                                                  \
      parent,                                                                     \
      amountOf(&Named::positive)},
 #include "shaders/kernel/effect_table.glsl"
@@ -41,6 +47,7 @@ EffectSet allowedEffects(const Settings& settings) {
     EffectSet allowed;
     for (const EffectRow& row : ROWS) {
         if (row.allowedBy && !(settings.*row.allowedBy)) continue;
+        if (row.chosenBy && settings.*row.chosenBy == 0) continue;
         if (row.parent != 0 && !allowed.has(row.parent)) continue;
         if (row.positive && !(settings.*row.positive > 0.0f)) continue;
         allowed.bits |= row.bit;

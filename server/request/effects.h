@@ -22,9 +22,10 @@ struct EffectSet {
 struct EffectRow {
     uint32_t bit = 0;  // EFFECT_*
     std::string_view name;
-    std::string_view setting;  // name of `allowedBy`, or ""
+    std::string_view setting;  // name of `allowedBy` or `chosenBy`, or ""
     std::string_view help;
     bool Settings::*allowedBy = nullptr;  // the switch; null: always allowed
+    uint32_t Settings::*chosenBy = nullptr;  // a choice that allows it where it is not 0; null: none
     uint32_t parent = 0;                  // EFFECT_* that must be allowed too; 0: none
     float Settings::*positive = nullptr;  // setting that must be above 0; null: none
 };

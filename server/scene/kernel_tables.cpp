@@ -1,5 +1,7 @@
 #include "server/scene/kernel_tables.h"
 
+#include "server/scene/lobe_table.h"
+
 namespace heliograph {
 
 namespace {
@@ -32,6 +34,16 @@ uint32_t sobolSecond(uint32_t index) {
 
 }  // namespace
 
+const std::vector<uvec2>& kernelTable() {
+    static const std::vector<uvec2> table = [] {
+        std::vector<uvec2> both = sobolTable();
+        const std::vector<uvec2> lobes = lobeTable();
+        both.insert(both.end(), lobes.begin(), lobes.end());
+        return both;
+    }();
+    return table;
+}
+
 const std::vector<uvec2>& sobolTable() {
     static const std::vector<uvec2> table = [] {
         std::vector<uvec2> points(POINTS);
@@ -57,7 +69,7 @@ SceneView sceneView(const Scene& scene) {
     view.texels = scene.texels.data();
     view.lights = scene.lights.data();
     view.environment = &scene.environment;
-    view.sobol = sobolTable().data();
+    view.sobol = kernelTable().data();
     return view;
 }
 

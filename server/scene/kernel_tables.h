@@ -11,6 +11,9 @@ namespace heliograph {
 /// Hash-based Owen Scrambling", JCGT 9(4) 2020). 32-bit fixed point in [0, 1).
 const std::vector<uvec2>& sobolTable();
 
+/// The points, then the lobes: what the kernel reads as SOBOL.
+const std::vector<uvec2>& kernelTable();
+
 /// The scene and the tables as the kernel sees them; valid as long as the scene.
 SceneView sceneView(const Scene& scene);
 

@@ -2,10 +2,10 @@
 // EFFECT; the table undefines it.
 // A scene calls for an effect by its rule (request/effect_rules), a viewer's settings allow it (request/effects); what is not
 // in both costs no ray.
-// setting: the switch that allows it. parent: constant of an effect of an earlier row that must be allowed too, or 0. positive: a
+// setting: the switch that allows it, or a choice that does where it is not its first word. parent: constant of an effect of an earlier row that must be allowed too, or 0. positive: a
 // setting that must be above 0. `none` where there is no such setting.
 // rule: a function of request/effect_rules.cpp; `anywhere` where the viewer alone chooses.
-// tier: the first of the CPU's tile programs that has it compiled in (tile_programs_isa.cpp): plain, mirrors, occlusion, sharp, everything.
+// tier: the first of the CPU's tile programs that has it compiled in (tile_programs_isa.cpp): plain, mirrors, occlusion, sharp, spread, everything.
 EFFECT(0, EFFECT_SHADOWS, shadows, shadows, 0, none, shadows, plain, "Shadows: one ray per light and hit.")
 EFFECT(1, EFFECT_TRANSPARENT_SHADOWS, transparentShadows, shadows, 0, none, transparentShadows, sharp, "Shadow rays pass transparent surfaces and take their colour.")
 EFFECT(2, EFFECT_REFLECTIONS, reflections, reflections, 0, none, reflections, mirrors, "Mirror reflections on smooth metals, glass and polished surfaces.")
@@ -22,10 +22,15 @@ EFFECT(12, EFFECT_EMISSION, emission, none, 0, none, emission, plain, "Surfaces 
 EFFECT(13, EFFECT_INSTANCING, instancing, none, 0, none, instancing, sharp, "One mesh stands in several places.")
 EFFECT(14, EFFECT_TANGENTS, tangents, none, 0, none, tangents, mirrors, "Tangents stored at vertices steer the normal maps.")
 EFFECT(15, EFFECT_SECOND_UV, secondTextureCoordinates, none, 0, none, secondTextureCoordinates, sharp, "A texture uses the second set of coordinates.")
-EFFECT(16, EFFECT_SOFT_SHADOWS, softShadows, softShadows, EFFECT_SHADOWS, none, softShadows, everything, "Lights with an extent throw shadows with soft edges: several rays per light and hit.")
-EFFECT(17, EFFECT_DEPTH_OF_FIELD, depthOfField, depthOfField, 0, aperture, anywhere, everything, "What is not at the focus distance is blurred, as by a lens.")
-EFFECT(18, EFFECT_FOG, fog, fog, 0, fogDensity, anywhere, everything, "The air dims what is far and shows the light that falls through it.")
-EFFECT(19, EFFECT_GLOSSY_REFLECTIONS, glossyReflections, glossyReflections, EFFECT_REFLECTIONS, none, glossyReflections, everything, "Surfaces between smooth and rough reflect blurred.")
-EFFECT(20, EFFECT_MOTION_BLUR, motionBlur, motionBlur, 0, shutter, anywhere, everything, "A moving camera blurs the picture along its way.")
-EFFECT(21, EFFECT_INDIRECT_LIGHT, indirectLight, indirectLight, 0, none, onLitSurfaces, everything, "Surfaces light each other: one bounce instead of the ambient light.")
+EFFECT(16, EFFECT_SOFT_SHADOWS, softShadows, softShadows, EFFECT_SHADOWS, none, softShadows, spread, "Lights with an extent throw shadows with soft edges: several rays per light and hit.")
+EFFECT(17, EFFECT_DEPTH_OF_FIELD, depthOfField, depthOfField, 0, aperture, anywhere, spread, "What is not at the focus distance is blurred, as by a lens.")
+EFFECT(18, EFFECT_FOG, fog, fog, 0, fogDensity, anywhere, spread, "The air dims what is far and shows the light that falls through it.")
+EFFECT(19, EFFECT_GLOSSY_REFLECTIONS, glossyReflections, glossyReflections, EFFECT_REFLECTIONS, none, glossyReflections, spread, "Surfaces between smooth and rough reflect blurred.")
+EFFECT(20, EFFECT_MOTION_BLUR, motionBlur, motionBlur, 0, shutter, anywhere, spread, "A moving camera blurs the picture along its way.")
+EFFECT(21, EFFECT_INDIRECT_LIGHT, indirectLight, indirectLight, 0, none, onLitSurfaces, spread, "Surfaces light each other: one bounce instead of the ambient light.")
+EFFECT(22, EFFECT_FILTERED_ENVIRONMENT, filteredEnvironment, environment, EFFECT_ENVIRONMENT_IMAGE, none, filteredEnvironment, sharp, "Rough surfaces reflect the environment image from levels that are blurred by their lobe, and diffuse ones its irradiance.")
+EFFECT(23, EFFECT_ENVIRONMENT_LIGHT, environmentLight, environmentLight, EFFECT_ENVIRONMENT_IMAGE, none, environmentLight, everything, "Bright places of the environment image, as a sun, light the scene and throw shadows: one ray a visible point.")
+EFFECT(24, EFFECT_SURFACE_LIGHTS, surfaceLights, surfaceLights, 0, none, surfaceLights, everything, "Glowing surfaces light others: one ray a visible point, to a place that is chosen by power.")
+EFFECT(25, EFFECT_ROUGH_GLASS, roughGlass, roughGlass, EFFECT_REFRACTIONS, none, roughGlass, everything, "Rough glass blurs what is seen through it and what it reflects.")
+EFFECT(26, EFFECT_PATH, path, integrator, 0, none, path, everything, "All bounces of light: one path a sample, with rays to the lights from each surface on it.")
 #undef EFFECT

@@ -17,11 +17,10 @@ float fresnelDielectric(float cosI, float eta, OUT(float) cosT) {
 // Lagarde & de Rousiers, "Moving Frostbite to Physically Based Rendering" (2014).
 float grazingReflectance(vec3 f0) { return min(50.0f * maxComponent(f0), 1.0f); }
 
-// Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994).
-vec3 fresnelSchlick(vec3 f0, float cosine) {
+// Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994). f0, f90: reflectance straight on and grazing.
+vec3 fresnelSchlick(vec3 f0, float f90, float cosine) {
     float m = saturate(1.0f - cosine);
     float m2 = m * m;
     float m5 = m2 * m2 * m;
-    float f90 = grazingReflectance(f0);
     return f0 + (vec3(f90, f90, f90) - f0) * m5;
 }

@@ -31,7 +31,7 @@ float lightFalloff(Light light, float distance) {
 // Not 0 if the light shines from the very point where the camera's rays begin: it reaches whatever they meet first, and no ray
 // has to find that out.
 UNIFORM_UINT shinesFromEye(UNIFORM_UINT index) {
-    if (HAS(EFFECT_DEPTH_OF_FIELD) || HAS(EFFECT_MOTION_BLUR)) return 0u;
+    if (HAS(EFFECT_DEPTH_OF_FIELD) || HAS(EFFECT_MOTION_BLUR) || index >= FRAME.lightCount) return 0u;
     Light light = LIGHT(index);
     if (light.type == LIGHT_HEADLIGHT) return 1u;
     return 0u;

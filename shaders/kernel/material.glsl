@@ -2,9 +2,12 @@
 
 struct Shading {
     vec3 normal;        // unit, with normal map, towards the viewer
-    vec3 diffuse;       // diffuse albedo, what mirrors and transmission take already taken off
+    vec3 diffuse;       // diffuse albedo, what mirrors, transmission and the specular lobe (seenFrom) take already taken off
     vec3 emission;      // radiance
     vec3 f0;            // reflectance at normal incidence (metallic-roughness) or Ks (Phong)
+    float f90;          // the same at grazing incidence
+    vec3 albedo;        // of the specular lobe, seen from where the path comes from (seenFrom)
+    vec3 gain;          // of the specular lobe, for light that bounces between facets
     vec3 tint;          // colour of transmitted light
     float roughness;
     float exponent;     // Phong Ns, 0 = no highlight
@@ -130,7 +133,12 @@ Shading shadingAt(IN(Surface) s) {
     bool phong = (r.flags & MATERIAL_PHONG) != 0u;
     float k = (r.ior - 1.0f) / (r.ior + 1.0f);
     float dielectric = SELECT(r.ior > 0.0f, k * k, 1.0f);
-    r.f0 = SELECT(phong, r.f0, r.f0 * (dielectric * (1.0f - metallic)) + color * metallic);
+    // KHR_materials_specular: the colour scales the reflectance straight on, the factor all of the reflection.
+    vec3 base0 = r.f0 * dielectric;
+    base0 = vec3(min(base0.x, 1.0f), min(base0.y, 1.0f), min(base0.z, 1.0f));
+    float dielectricShare = (1.0f - specular.w) * (1.0f - metallic);
+    r.f90 = grazingReflectance(base0) * dielectricShare + grazingReflectance(color) * metallic;
+    r.f0 = SELECT(phong, r.f0, base0 * dielectricShare + color * metallic);
     r.tint = SELECT(phong, r.tint, r.tint * color);
     r.transmission = SELECT(phong, r.transmission, r.transmission * (1.0f - metallic));
     float kept = SELECT(phong, 1.0f - r.mirror, 1.0f - metallic);
@@ -147,10 +155,31 @@ Shading shadingAt(IN(Surface) s) {
         r.flags = SELECT(unlit, r.flags | MATERIAL_PHONG, r.flags);  // the model that adds no Fresnel reflection
     }
     r.facet = r.normal;
+    r.albedo = vec3(0.0f, 0.0f, 0.0f);
+    r.gain = vec3(1.0f, 1.0f, 1.0f);
     return r;
 }
 
-// Reflected radiance per unit irradiance for light from wi seen from wo (unit vectors), cosine included. Phong: the
+// Completes what depends on where a surface is seen from (wo, unit): the specular lobe's albedo, with the light that bounces
+// between facets given back (Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", 2017, as scaled by Turquin,
+// "Practical Multiple Scattering Compensation for Microfacet Models", 2019), and the diffuse base under it, which gets what
+// the lobe does not reflect.
+void seenFrom(INOUT(Shading) m, vec3 wo) {
+    bool microfacet = (m.flags & MATERIAL_PHONG) == 0u;
+    if (MET(VARIETY_MICROFACET) && ANY(microfacet)) {
+        vec2 lobe = lobeIntegrals(m.roughness, max(dot(m.normal, wo), 1.0e-4f));
+        float lost = 1.0f / (lobe.x + lobe.y) - 1.0f;
+        vec3 gain = vec3(1.0f + m.f0.x * lost, 1.0f + m.f0.y * lost, 1.0f + m.f0.z * lost);
+        float flat_ = m.f90 * lobe.y;
+        vec3 albedo = (m.f0 * lobe.x + vec3(flat_, flat_, flat_)) * gain;
+        m.gain = SELECT(microfacet, gain, m.gain);
+        m.albedo = SELECT(microfacet, albedo, m.albedo);
+        vec3 left = vec3(max(1.0f - albedo.x, 0.0f), max(1.0f - albedo.y, 0.0f), max(1.0f - albedo.z, 0.0f));
+        m.diffuse = SELECT(microfacet, m.diffuse * left, m.diffuse);
+    }
+}
+
+// Reflected radiance per unit irradiance for light from wi seen from wo (unit vectors; see seenFrom), cosine included. Phong: the
 // classical lobe, its peak 1 at any exponent, over pi so that Kd and Ks weigh alike.
 vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
     float nDotL = max(dot(m.normal, wi), 0.0f);
@@ -165,17 +194,16 @@ vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
     if (MET(VARIETY_MICROFACET) && ANY(!phong)) {
         vec3 h = normalize3(wo + wi);
         float nDotV = max(dot(m.normal, wo), 1.0e-4f);
-        vec3 f = fresnelSchlick(m.f0, saturate(dot(wo, h)));
-        float a = max(m.roughness * m.roughness, 2.0e-3f);
+        vec3 f = fresnelSchlick(m.f0, m.f90, saturate(dot(wo, h))) * m.gain;
+        float a = lobeWidth(m.roughness);
         float lobe = distributionGgx(saturate(dot(m.normal, h)), a) * visibilityGgx(nDotV, nDotL, a);
-        vec3 kept = diffuseShare(m.f0, m.roughness, min(nDotV, nDotL));
-        vec3 microfacet = (m.diffuse * kept * INV_PI + f * lobe) * nDotL;
+        vec3 microfacet = (m.diffuse * INV_PI + f * lobe) * nDotL;
         result = SELECT(phong, result, microfacet);
     }
     return result;
 }
 
-// How much of the specular reflection is followed by a ray; the rest is rough and taken from the ambient light.
+// How much of the specular reflection is followed by a mirror ray; the rest is rough and taken from the surroundings alone.
 float traceableShare(float roughness) {
     float x = saturate((0.4f - roughness) * 5.0f);  // 1 up to 0.2, 0 from 0.4
     return x * x * (3.0f - 2.0f * x);

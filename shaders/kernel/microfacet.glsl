@@ -16,24 +16,40 @@ float visibilityGgx(float nDotV, float nDotL, float a) {
     return 0.5f / max(v + l, 1.0e-20f);
 }
 
-// What a specular lobe leaves for the diffuse light under it; `cosine`: the flatter of both angles. Fitted so that lobe and
-// diffuse light together reflect at most 1.01 of uniform light (roughness >= 0.1; 1.03 below) and at least 0.8. 1 - Fresnel
-// at the half vector, as glTF's appendix B has it, gives up to 1.34: where both angles are flat the half vector stands up.
-vec3 diffuseShare(vec3 f0, float roughness, float cosine) {
-    float m = 1.0f - cosine;
-    float smooth_ = (1.0f - roughness * (1.6f - 0.66f * roughness)) * m * m * m;
-    float f90 = grazingReflectance(f0);
-    return vec3(1.0f, 1.0f, 1.0f) - f0 - (vec3(f90, f90, f90) - f0) * smooth_;
+// Width of a rough surface's lobe; never so narrow that the highlight of a point light is not a number.
+float lobeWidth(float roughness) { return max(roughness * roughness, 2.0e-3f); }
+
+UINT_CONSTANT(LOBE_NODES, 32u)  // of the lobe table along either axis (host: scene/kernel_tables, behind the Sobol points)
+
+// Share of even light that a lobe of single scattering reflects, as f0 * x + f90 * y: roughness by equal steps, the cosine by its
+// root. Karis, "Real Shading in Unreal Engine 4" (2013), the second half of the split sum.
+vec2 lobeNode(uint roughness, uint angle) {
+    uvec2 bits = SOBOL_AT(SOBOL_COUNT + roughness * LOBE_NODES + angle);
+    return vec2(intBitsToFloat(int(bits.x)), intBitsToFloat(int(bits.y)));
 }
 
-// Directional albedo of a rough specular lobe under uniform light. Karis, "Physically Based Shading on Mobile" (2014), fit.
-vec3 environmentBrdf(vec3 f0, float roughness, float nDotV) {
-    float rx = 1.0f - roughness;
-    float ry = -0.0275f * roughness + 0.0425f;
-    float rz = -0.572f * roughness + 1.04f;
-    float rw = 0.022f * roughness - 0.04f;
-    float a004 = min(rx * rx, expKernel(-6.43775f * nDotV)) * rx + ry;  // 2^(-9.28 x)
-    float scale = -1.04f * a004 + rz;
-    float bias = (1.04f * a004 + rw) * grazingReflectance(f0);
-    return f0 * scale + vec3(bias, bias, bias);
+vec2 between(vec2 a, vec2 b, float w) { return vec2(a.x + (b.x - a.x) * w, a.y + (b.y - a.y) * w); }
+
+// The same between nodes; a mirror's is Schlick's own curve.
+vec2 lobeIntegrals(float roughness, float nDotV) {
+    float last = float(int(LOBE_NODES - 1u));
+    float x = saturate(roughness) * last;
+    float y = sqrt(saturate(nDotV)) * last;
+    float fx = min(floor(x), last - 1.0f);
+    float fy = min(floor(y), last - 1.0f);
+    uint i = uint(int(fx));
+    uint j = uint(int(fy));
+    vec2 smoother = between(lobeNode(i, j), lobeNode(i, j + 1u), y - fy);
+    vec2 rougher = between(lobeNode(i + 1u, j), lobeNode(i + 1u, j + 1u), y - fy);
+    float m = saturate(1.0f - nDotV);
+    float grazing = m * m * m * m * m;
+    bool mirror = fx == 0.0f;
+    smoother = vec2(SELECT(mirror, 1.0f - grazing, smoother.x), SELECT(mirror, grazing, smoother.y));
+    return between(smoother, rougher, x - fx);
+}
+
+// Density per steradian of directions that leave by visible facets (visibleNormalGgx): D G1(wo) / (4 n.wo).
+float visibleDensity(float nDotV, float nDotH, float a) {
+    float a2 = a * a;
+    return distributionGgx(nDotH, a) * 0.5f / max(nDotV + sqrt(a2 + (1.0f - a2) * nDotV * nDotV), 1.0e-20f);
 }

@@ -17,6 +17,7 @@ UINT_CONSTANT(MATERIAL_ALPHA_BLEND, 8u)   // 1 - alpha passes straight through
 UINT_CONSTANT(MATERIAL_VOLUME, 16u)       // a solid body: refracts and absorbs; else thin-walled
 UINT_CONSTANT(MATERIAL_BUMP, 32u)         // normalTexture holds heights, not normals
 UINT_CONSTANT(MATERIAL_OPACITY_RED, 64u)  // opacityTexture's red is alpha (MTL map_d)
+UINT_CONSTANT(MATERIAL_LIT_APART, 128u)   // glows and lights nothing: a light of its own stands for it
 
 // Luminance of linear sRGB, ITU-R BT.709.
 KERNEL_CONSTANT float LUMINANCE_RED = 0.2126f;
@@ -83,8 +84,8 @@ UINT_CONSTANT(INSTANCE_MIRRORED, 2u)  // determinant < 0: winding flips
 // One material for MTL and glTF alike, 144 bytes. Texture fields index TextureSlot, NO_INDEX = none.
 struct Material {
     vec4 baseColor;    // rgb diffuse or base colour, a = alpha
-    vec4 emission;     // rgb radiance, w unused
-    vec4 specular;     // Phong: rgb Ks, w = Ns. Metallic-roughness: rgb specular tint (1), w unused
+    vec4 emission;     // rgb radiance, w = density of sampled points on its surface as a lamp, per m^2 (SceneBuilder's)
+    vec4 specular;     // Phong: rgb Ks, w = Ns. Metallic-roughness: rgb specular colour (1), w = 1 - specular factor
     vec4 absorption;   // rgb coefficient per metre (Beer-Lambert), w unused
     vec4 transmissionTint;  // rgb colour of transmitted light at the surface (MTL Tf), w unused
     float metallic;
@@ -164,16 +165,26 @@ struct Light {
     float aspect;      // quad: half length of that side over the length of `edge`
 };
 
-// What surrounds the scene. 192 bytes.
+// What surrounds the scene, and the tables by which light is sampled (first words in the array of texels). 208 bytes.
 struct Environment {
-    vec4 color;        // rgb mean radiance, used where there is no image
-    uint image;        // RGB9E5 or SRGB8 lat-long image or NO_INDEX
-    float intensity;   // multiplies the image
-    float rotation;    // radians about +Y
+    vec4 color;          // rgb mean radiance, used where there is no image
+    uint image;          // RGB9E5 or SRGB8 lat-long image or NO_INDEX
+    float intensity;     // multiplies the image
+    float rotation;      // radians about +Y
+    uint filtered;       // image whose levels are the lobes of FILTERED_ROUGHNESS steps, then irradiance / pi; or NO_INDEX
+    vec4 ambient[9];     // order-2 spherical harmonics of irradiance / pi, already scaled
+    uint lightTable;     // 3 words a direction: threshold, alias, density per steradian; of columns x rows
+    uint lightColumns;   // 0: the image is not sampled as a light
+    uint lightRows;
+    uint emitterTable;   // 4 words a glowing triangle: threshold, alias, instance, primitive
+    uint emitterCount;
     uint pad0;
-    vec4 ambient[9];   // order-2 spherical harmonics of irradiance / pi, already scaled
-    vec4 pad1;
+    uint pad1;
+    uint pad2;
 };
+UINT_CONSTANT(FILTERED_LEVELS, 10u)  // level i of Environment.filtered: the lobe of roughness (i + 1) / FILTERED_LEVELS
+UINT_CONSTANT(LIGHT_TABLE_WORDS, 3u)
+UINT_CONSTANT(EMITTER_TABLE_WORDS, 4u)
 
 // A pinhole camera, ready for the kernel. Pixel (x, y) looks along forward + sx * right + sy * up, 64 bytes.
 struct KernelCamera {

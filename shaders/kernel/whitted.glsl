@@ -7,108 +7,6 @@
 //                         | arrive: emission, fog, ambient that needs no rays, the paths that go on and estimates of others
 //                         -> raysToLight of each light in order -> ambient that needs rays -> pop
 
-#include "effects/soft_shadows.glsl"
-#include "effects/fog.glsl"
-#include "effects/motion_blur.glsl"
-#include "effects/depth_of_field.glsl"
-#include "effects/glossy_reflections.glsl"
-#include "effects/indirect_light.glsl"
-
-UINT_CONSTANT(RAY_PRIMARY, 0u)
-UINT_CONSTANT(RAY_REFLECTION, 1u)
-UINT_CONSTANT(RAY_REFRACTION, 2u)
-UINT_CONSTANT(MAX_ALPHA_LAYERS, 16u)   // blended surfaces in a row; the rest is estimated
-UINT_CONSTANT(MAX_SHADOW_SURFACES, 64u) // transparent surfaces a shadow ray passes; more count as opaque
-UINT_CONSTANT(NEXT_REFLECTION, 1u)
-UINT_CONSTANT(NEXT_REFRACTION, 2u)
-UINT_CONSTANT(NEXT_PASS, 4u)
-UINT_CONSTANT(NEXT_INDIRECT, 8u)
-
-// A pending ray of the image.
-struct PathState {
-    vec3 origin;
-    float coneWidth;    // metres at the origin
-    vec3 direction;     // unit
-    float coneSpread;   // radians
-    vec3 throughput;    // weight in the pixel
-    uint depth;         // reflections | refractions << 8 | alpha layers << 16 | DIFFUSED | ray kind << 24
-    uint medium;        // material the ray travels in + 1, 0 = air
-    uint salt;          // tells the vertices of one sample apart, for random numbers
-};
-
-uint reflectionDepth(uint depth) { return depth & 255u; }
-uint refractionDepth(uint depth) { return (depth >> 8) & 255u; }
-uint alphaDepth(uint depth) { return (depth >> 16) & 127u; }
-uint rayKindOf(uint depth) { return depth >> 24; }
-
-PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
-    PathState p;
-    vec2 jitter = pixelJitter(sampleIndex);
-    CameraPose camera = cameraAtRest();
-    if (HAS(EFFECT_MOTION_BLUR)) camera = cameraInMotion(pixel, sampleIndex);
-    p.origin = camera.origin;
-    p.direction = directionFrom(camera, float(int(pixel.x)) + jitter.x, float(int(pixel.y)) + jitter.y);
-    if (HAS(EFFECT_DEPTH_OF_FIELD)) throughLens(camera, pixel, sampleIndex, p.origin, p.direction);
-    p.throughput = vec3(1.0f, 1.0f, 1.0f);
-    p.coneWidth = 0.0f;
-    // The cone's spread is varied over [1/sqrt(2), sqrt(2)], half a mip level up or down: textures then take one level
-    // per sample and still blend smoothly. Fajardo et al., "Stochastic Texture Filtering" (2023).
-    float turn = unitFloat(hashPixel(pixel, sampleIndex));
-    p.coneSpread = (0.70710678f * FRAME.camera.pixelSpread) * (1.0f + turn * (0.65657f + turn * 0.34343f));
-    p.depth = RAY_PRIMARY << 24;
-    p.medium = 0u;
-    p.salt = 0u;
-    return p;
-}
-
-// How far a path that has met nothing goes through air.
-float airOfMiss(IN(PathState) p) { return SELECT(p.medium == 0u, FLOAT_MAX, 0.0f); }
-
-vec3 missRadiance(IN(PathState) p) {
-    vec3 radiance = environmentRadiance(p.direction, p.coneSpread);
-    if (HAS(EFFECT_FOG)) {
-        float air = airOfMiss(p);
-        radiance = radiance * fogTransmittance(p.origin, p.direction, air) + fogAmbient(p.origin, p.direction, air);
-    }
-    return p.throughput * radiance;
-}
-
-vec3 absorbed(uint material, float distance) {
-    vec4 sigma = MATERIAL(material, absorption);
-    return vec3(expKernel(-sigma.x * distance), expKernel(-sigma.y * distance), expKernel(-sigma.z * distance));
-}
-
-// Weight that is left after travelling to the surface in the path's medium (Beer-Lambert). A ray that meets the inside of
-// a body without having entered it (a camera in the glass) has travelled in that body.
-vec3 mediumTransmittance(uint medium, IN(Surface) s) {
-    vec3 one = vec3(1.0f, 1.0f, 1.0f);
-    if (!HAS(EFFECT_ABSORPTION)) return one;
-    bool unknown = medium == 0u && s.side < 0.0f && (MATERIAL(s.material, flags) & MATERIAL_VOLUME) != 0u;
-    uint inside = SELECT(unknown, s.material + 1u, medium);
-    bool some = inside != 0u;
-    if (ANY(some)) one = SELECT(some, absorbed(SELECT(some, inside - 1u, uint(0u)), max(s.distance, 0.0f)), one);
-    return one;
-}
-
-// How far the path has come through air, not through a body; metres.
-float airBefore(IN(PathState) p, IN(Surface) s) {
-    bool inBody = p.medium != 0u || (s.side < 0.0f && (MATERIAL(s.material, flags) & MATERIAL_VOLUME) != 0u);
-    return SELECT(inBody, 0.0f, max(s.distance, 0.0f));
-}
-
-// What the path's way to the surface leaves of its weight.
-vec3 arrivingThroughput(IN(PathState) p, IN(Surface) s) {
-    vec3 left = p.throughput * mediumTransmittance(p.medium, s);
-    if (HAS(EFFECT_FOG)) left = left * fogTransmittance(p.origin, p.direction, airBefore(p, s));
-    return left;
-}
-
-// `radiance` and what the path's way to the surface adds to it without light rays.
-vec3 withFog(vec3 radiance, IN(PathState) p, IN(Surface) s) {
-    if (!HAS(EFFECT_FOG)) return radiance;
-    return radiance + p.throughput * fogAmbient(p.origin, p.direction, airBefore(p, s));
-}
-
 // ---- direct light ----
 
 ShadowRay shadowRayTo(IN(LightSample) light, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
@@ -129,6 +27,36 @@ ShadowRay lightRay(UNIFORM_UINT index, IN(Surface) s, IN(Shading) m, vec3 wo, ve
     return shadowRayTo(lightAt(index, s.position), s, m, wo, throughput);
 }
 
+// The ray to a place of a sampled light, with what it brings beside the rays that go on from the surface.
+ShadowRay sampledLightRay(UNIFORM_UINT index, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt, IN(Surface) s, IN(Shading) m,
+                          vec3 wo, vec3 throughput, IN(LightShares) shares) {
+    ShadowRay r;
+    LightPlace l;
+    float specularShare = shares.specularFromGlow;
+    vec4 u = lightNumbers(pixel, salt, index, sampleIndex);
+    UNIFORM_UINT sky = 0u;
+    if (HAS_SKY_LIGHT) {
+        if (index == FRAME.lightCount) sky = 1u;
+    }
+    if (HAS_SKY_LIGHT) {
+        if (sky != 0u) {
+            l = environmentPlaceAt(u);
+            specularShare = shares.specularFromSky;
+        }
+    }
+    if (HAS_LAMPS) {
+        if (sky == 0u) l = emitterPlaceAt(u, s.position);
+    }
+    bool faces = dot(s.geometricNormal, l.direction) > 0.0f || dot(s.normal, l.direction) > 0.0f;
+    vec3 reflected = reflectedPlace(m, wo, l, shares, specularShare);
+    r.contribution = throughput * reflected * SELECT(faces, m.alpha, 0.0f);
+    r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal);
+    r.ray.direction = l.direction;
+    r.ray.tMax = SELECT(l.distance < FLOAT_MAX, l.distance * 0.9999f, FLOAT_MAX);
+    if (HAS(EFFECT_FOG)) r.contribution = r.contribution * fogTransmittance(r.ray.origin, l.direction, l.distance);
+    return r;
+}
+
 // Ray `ray` of lightSamples(index).
 ShadowRay lightSampleRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt,
                          IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
@@ -139,6 +67,13 @@ ShadowRay lightSampleRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT samp
         }
     }
     return lightRay(index, s, m, wo, throughput);
+}
+
+// Whether the surface lets light through without bending or scattering it.
+bool goesStraight(IN(Shading) m) {
+    bool thin = (m.flags & MATERIAL_VOLUME) == 0u;
+    if (HAS(EFFECT_ROUGH_GLASS)) thin = thin && ((m.flags & MATERIAL_PHONG) != 0u || !(m.roughness > 0.0f));
+    return thin;
 }
 
 // Colour that one transparent surface lets through to a light; for the walk of shadow rays along their surfaces. A ray
@@ -152,7 +87,10 @@ vec3 surfaceTransmittance(IN(Surface) s, vec3 direction) {
         float cosT;
         float f = fresnelDielectric(abs(dot(s.normal, direction)), 1.0f / max(m.ior, 1.0f), cosT);
         float reflectance = max(m.mirror, f);
-        through = through + m.tint * (m.alpha * m.transmission * (1.0f - reflectance));
+        vec3 clear = m.tint * (m.alpha * m.transmission * (1.0f - reflectance));
+        // Paths find what bodies and rough panes bend themselves; only what goes straight on is seen by both.
+        if (HAS(EFFECT_PATH)) clear = SELECT(goesStraight(m), clear, vec3(0.0f, 0.0f, 0.0f));
+        through = through + clear;
     }
     if (HAS(EFFECT_ABSORPTION)) {
         bool leaves = s.side < 0.0f && (m.flags & MATERIAL_VOLUME) != 0u;
@@ -168,23 +106,33 @@ ShadowRay pathFogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIn
 
 // ---- ambient light ----
 
+// How much of the specular reflection a ray follows.
+float followedShare(IN(Shading) m) {
+    if (FOLLOWS_FACETS) return 1.0f;
+    return traceableShare(m.roughness);
+}
+
+// What the diffuse part of a surface reflects of the ambient light. Where the image is a light, rays bring it.
+vec3 diffuseOfAmbient(IN(Shading) m) {
+    if (HAS_SKY_LIGHT) return vec3(0.0f, 0.0f, 0.0f);
+    return m.diffuse * diffuseAmbient(m.normal);
+}
+
+// What the specular lobe reflects of it, as far as no ray follows it (nextRays): the split sum of Karis (2013).
+vec3 specularOfAmbient(IN(Shading) m, vec3 wo) {
+    vec3 share = m.albedo * ((1.0f - followedShare(m)) * (1.0f - m.transmission));
+    vec3 result = vec3(0.0f, 0.0f, 0.0f);
+    bool rough = maxComponent(share) > 0.0f;
+    if (ANY(rough)) {
+        vec3 r = m.normal * (2.0f * dot(m.normal, wo)) - wo;
+        result = SELECT(rough, share * roughAmbient(m.normal, r, m.roughness), result);
+    }
+    return result;
+}
+
 // Contribution of the ambient light to the pixel where nothing hides it.
 vec3 ambientContribution(IN(Shading) m, vec3 wo, vec3 throughput) {
-    vec3 ambient = m.diffuse * ambientLight(m.normal);
-    bool phong = (m.flags & MATERIAL_PHONG) != 0u;
-    if (ANY(!phong)) {
-        // What the specular lobe reflects is missing in the diffuse light. The smooth share of the lobe is followed by a
-        // reflection ray (nextRays), the rough share sees the ambient light about the mirror direction.
-        float followed = traceableShare(m.roughness);
-        float cosine = dot(m.normal, wo);
-        float nDotV = saturate(cosine);
-        vec3 lobe = environmentBrdf(m.f0, m.roughness, nDotV) * (1.0f - followed);
-        vec3 mirror = fresnelSchlick(m.f0, nDotV) * followed;
-        vec3 r = m.normal * (2.0f * cosine) - wo;
-        vec3 rough = ambient * (vec3(1.0f, 1.0f, 1.0f) - lobe - mirror) + lobe * ambientLight(r) * (1.0f - m.transmission);
-        ambient = SELECT(phong, ambient, rough);
-    }
-    return throughput * ambient * m.alpha;
+    return throughput * (diffuseOfAmbient(m) + specularOfAmbient(m, wo)) * m.alpha;
 }
 
 // Number in the Sobol sequence of ray `index` of FRAME.aoSamples of sample `sampleIndex`.
@@ -229,15 +177,37 @@ PathState continuedPath(IN(PathState) p, IN(Surface) s, vec3 direction, vec3 thr
     next.throughput = throughput;
     next.coneWidth = p.coneWidth + p.coneSpread * max(s.distance, 0.0f);
     next.salt = hashUint(p.salt * 4u + branch);
+    next.lobe = FLOAT_MAX;
+    next.way = 0.0f;
     return next;
 }
 
-// What stands in for a ray that is not followed: the surroundings as seen that way. Never black.
+// A path that goes straight on: its light is shared as before.
+void goOn(IN(PathState) p, IN(Surface) s, INOUT(PathState) next) {
+    next.lobe = p.lobe;
+    next.way = p.way + max(s.distance, 0.0f);
+}
+
+// What stands in for a ray that is not followed: the surroundings as seen that way. Never black, but where paths end.
 vec3 estimatedRadiance(vec3 direction, float spread, vec3 weight) {
+    if (HAS(EFFECT_PATH)) return vec3(0.0f, 0.0f, 0.0f);
     vec3 radiance = ambientLight(direction);
     bool matters = maxComponent(weight) > FRAME.contributionThreshold;
     if (ANY(matters)) radiance = SELECT(matters, environmentRadiance(direction, spread), radiance);
     return weight * radiance;
+}
+
+// PathState.lobe of a reflection.
+float reflectedLobe(IN(Shading) m, vec3 wo) {
+    bool rough = (m.flags & MATERIAL_PHONG) == 0u && m.roughness > 0.0f && m.transmission == 0.0f;
+    float lobe = FLOAT_MAX;
+    if (FOLLOWS_FACETS) {
+        float nDotV = max(dot(m.normal, wo), 1.0e-4f);
+        lobe = visibleDensity(nDotV, saturate(dot(m.normal, m.facet)), lobeWidth(m.roughness));
+    } else if (HAS_FILTERED) {
+        lobe = -m.roughness;
+    }
+    return SELECT(rough, lobe, FLOAT_MAX);
 }
 
 // Adds one mirror ray, or its estimate where the depth, the threshold or the settings end it.
@@ -246,29 +216,51 @@ uint followReflection(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight
     vec3 direction = p.direction - m.facet * (2.0f * dot(m.facet, p.direction));
     float above = dot(direction, s.geometricNormal);  // must stay outside
     direction = SELECT(above > 0.0f, direction, normalize3(direction + s.geometricNormal * (0.01f - above)));
-    bool follow = HAS(EFFECT_REFLECTIONS) && reflectionDepth(p.depth) < FRAME.maxReflections
+    bool follow = (HAS(EFFECT_REFLECTIONS) || HAS(EFFECT_GLOSSY_REFLECTIONS)) && reflectionDepth(p.depth) < FRAME.maxReflections
                   && share > FRAME.contributionThreshold;
     if (HAS(EFFECT_INDIRECT_LIGHT)) follow = follow && (p.depth & DIFFUSED) == 0u;
+    if (HAS(EFFECT_PATH)) follow = share > 0.0f && bounces(p.depth) < FRAME.maxBounces;
     bool ends = share > 0.0f && !follow;
     if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, direction, weight, 1.0f, 1u);
+    next.lobe = reflectedLobe(m, -p.direction);
     next.depth = ((p.depth + 1u) & 0x00ffffffu) | (RAY_REFLECTION << 24);
     return SELECT(follow, uint(NEXT_REFLECTION), uint(0u));
 }
 
-uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight, float eta, float cosI, float cosT,
+uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 arriving, float eta, float cosI, float cosT,
                       OUT(PathState) next, INOUT(vec3) radiance) {
+    vec3 weight = arriving;
     float share = maxComponent(weight);
     bool solid = (m.flags & MATERIAL_VOLUME) != 0u;
-    vec3 bent = normalize3(p.direction * eta + m.normal * (eta * cosI - cosT));
+    vec3 about = m.normal;
+    vec3 onward = p.direction;
+    if (HAS(EFFECT_ROUGH_GLASS)) {
+        about = m.facet;
+        // A thin pane scatters as its front reflects, to the other side.
+        vec3 mirrored = p.direction - about * (2.0f * dot(about, p.direction));
+        onward = mirrored - m.normal * (2.0f * dot(m.normal, mirrored));
+    }
+    vec3 bent = normalize3(p.direction * eta + about * (eta * cosI - cosT));
     float above = dot(bent, s.geometricNormal);  // must leave on the far side
     bent = SELECT(above < 0.0f, bent, normalize3(bent - s.geometricNormal * (above + 0.01f)));
-    vec3 direction = SELECT(solid, bent, p.direction);
+    float across = dot(onward, s.geometricNormal);
+    if (HAS(EFFECT_ROUGH_GLASS)) onward = SELECT(across < 0.0f, onward, normalize3(onward - s.geometricNormal * (across + 0.01f)));
+    vec3 direction = SELECT(solid, bent, onward);
+    if (HAS(EFFECT_ROUGH_GLASS)) weight = weight * throughShare(m, -dot(m.normal, direction));
     bool follow = HAS(EFFECT_REFRACTIONS) && refractionDepth(p.depth) < FRAME.maxRefractions
                   && share > FRAME.contributionThreshold;
+    if (HAS(EFFECT_PATH)) follow = share > 0.0f && bounces(p.depth) < FRAME.maxBounces;
     bool ends = share > 0.0f && !follow;
     if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, direction, weight, -1.0f, 2u);
+    if (HAS(EFFECT_PATH)) {
+        bool straight = goesStraight(m);
+        next.lobe = SELECT(straight, p.lobe, FLOAT_MAX);
+        next.way = SELECT(straight, p.way + max(s.distance, 0.0f), 0.0f);
+    } else {
+        goOn(p, s, next);
+    }
     next.depth = ((p.depth + 256u) & 0x00ffffffu) | (RAY_REFRACTION << 24);
     next.medium = SELECT(solid, SELECT(s.side > 0.0f, s.material + 1u, uint(0u)), p.medium);
     return SELECT(follow, uint(NEXT_REFRACTION), uint(0u));
@@ -278,9 +270,11 @@ uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight
 uint followPass(IN(PathState) p, IN(Surface) s, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
     float share = maxComponent(weight);
     bool follow = alphaDepth(p.depth) < MAX_ALPHA_LAYERS && share > FRAME.contributionThreshold;
+    if (HAS(EFFECT_PATH)) follow = alphaDepth(p.depth) < MAX_ALPHA_LAYERS && share > 0.0f;
     bool ends = share > 0.0f && !follow;
     if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(p.direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, p.direction, weight, -1.0f, 3u);
+    goOn(p, s, next);
     next.depth = p.depth + 65536u;
     return SELECT(follow, uint(NEXT_PASS), uint(0u));
 }
@@ -297,6 +291,7 @@ struct Split {
 Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
     Split r;
     r.cosI = saturate(-dot(m.normal, p.direction));
+    if (HAS(EFFECT_ROUGH_GLASS)) r.cosI = SELECT(m.transmission > 0.0f, saturate(-dot(m.facet, p.direction)), r.cosI);
     r.cosT = r.cosI;
     r.eta = 1.0f;
     r.transmitted = 0.0f;
@@ -312,15 +307,18 @@ Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
         r.cosT = cosT;
         // The clear share reflects as glass does; the opaque share keeps its own model's reflectance.
         float glass = m.transmission * f;
+        if (HAS(EFFECT_ROUGH_GLASS)) glass = glass * facetShare(m, -p.direction);
         vec3 both = r.reflected * (1.0f - m.transmission) + vec3(glass, glass, glass);
         r.reflected = SELECT(clear, both, r.reflected);
         r.transmitted = SELECT(clear, m.transmission * (1.0f - f), 0.0f);
     }
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
-    float followed = traceableShare(m.roughness) * (1.0f - m.transmission);
-    vec3 smooth_ = fresnelSchlick(m.f0, r.cosI) * followed;
-    if (HAS(EFFECT_GLOSSY_REFLECTIONS))
-        smooth_ = fresnelSchlick(m.f0, saturate(-dot(m.facet, p.direction))) * (followed * facetShare(m, -p.direction));
+    vec3 smooth_ = m.albedo * (followedShare(m) * (1.0f - m.transmission));
+    if (FOLLOWS_FACETS) {
+        vec3 facet = fresnelSchlick(m.f0, m.f90, saturate(-dot(m.facet, p.direction))) * m.gain;
+        facet = facet * (facetShare(m, -p.direction) * (1.0f - m.transmission));
+        smooth_ = SELECT(m.roughness > 0.0f, facet, smooth_);
+    }
     r.reflected = SELECT(phong, r.reflected, r.reflected + smooth_);
     return r;
 }
@@ -345,10 +343,11 @@ uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, IN
 
 // The ray that brings indirect light in the place of the diffuse part of the ambient light; returns NEXT_INDIRECT where there is
 // one.
-uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput,
+uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput,
                  OUT(PathState) next) {
-    vec3 weight = throughput * diffuseAlbedo(m, wo) * m.alpha;
+    vec3 weight = throughput * m.diffuse * m.alpha;
     bool follow = (p.depth & DIFFUSED) == 0u && maxComponent(weight) > FRAME.contributionThreshold;
+    if (HAS(EFFECT_PATH)) follow = bounces(p.depth) < FRAME.maxBounces && maxComponent(weight) > 0.0f;
     vec3 tangent;
     vec3 bitangent;
     orthonormalBasis(m.normal, tangent, bitangent);
@@ -357,21 +356,51 @@ uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surf
     next = continuedPath(p, s, direction, weight, 1.0f, 0u);
     next.salt = hashUint(p.salt + INDIRECT_SALT);
     next.coneSpread = INDIRECT_SPREAD;
-    next.depth = (p.depth & 0x00ffffffu) | DIFFUSED | (RAY_REFLECTION << 24);
+    next.lobe = max(dot(m.normal, direction), 1.0e-6f) * INV_PI;
+    uint depth = p.depth & 0x00ffffffu;
+    if (HAS(EFFECT_PATH)) depth = depth + 1u;
+    next.depth = depth | DIFFUSED | (RAY_REFLECTION << 24);
     return SELECT(follow, uint(NEXT_INDIRECT), uint(0u));
 }
 
-// The ambient light beside an indirect ray, if `next` says that there is one: what rough specular reflection takes of it.
+// The ambient light beside an indirect ray, if `next` says that there is one: what rough specular reflection takes of it. Paths
+// take none.
 vec3 ambientBeside(uint next, IN(Shading) m, vec3 wo, vec3 throughput) {
-    vec3 ambient = ambientContribution(m, wo, throughput);
-    if (!HAS(EFFECT_INDIRECT_LIGHT)) return ambient;
-    vec3 specular = ambient - throughput * (diffuseAlbedo(m, wo) * ambientLight(m.normal)) * m.alpha;
-    specular = vec3(max(specular.x, 0.0f), max(specular.y, 0.0f), max(specular.z, 0.0f));
-    return SELECT((next & NEXT_INDIRECT) != 0u, specular, ambient);
+    if (HAS(EFFECT_PATH)) return vec3(0.0f, 0.0f, 0.0f);
+    vec3 diffuse = diffuseOfAmbient(m);
+    if (HAS(EFFECT_INDIRECT_LIGHT)) diffuse = SELECT((next & NEXT_INDIRECT) != 0u, vec3(0.0f, 0.0f, 0.0f), diffuse);
+    return throughput * (diffuse + specularOfAmbient(m, wo)) * m.alpha;
 }
 
 // Emission, and what an unlit surface shows.
 vec3 emittedRadiance(IN(Shading) m, vec3 throughput) { return throughput * m.emission * m.alpha; }
+
+// Share of a glowing surface's light that the path brings; rays to sampled lights bring the rest.
+float glowShare(IN(PathState) p, IN(Surface) s) {
+    if (!HAS_LAMPS) return 1.0f;
+    float density = emitterDensity(s.material, p.way + max(s.distance, 0.0f), abs(dot(s.geometricNormal, p.direction)));
+    return SELECT(sharesLight(p), balance(p.lobe, density), 1.0f);
+}
+
+// How the rays `next` share the light of sampled places with rays to those.
+LightShares lightShares(IN(Shading) m, uint next) {
+    LightShares r;
+    bool phong = (m.flags & MATERIAL_PHONG) != 0u;
+    bool solid = m.transmission == 0.0f;
+    bool reflects = (next & NEXT_REFLECTION) != 0u;
+    r.diffuseChance = SELECT((next & NEXT_INDIRECT) != 0u, 1.0f, 0.0f);
+    r.specularChance = 0.0f;
+    r.specularFromSky = SELECT(phong, 1.0f, 0.0f);
+    r.specularFromGlow = SELECT(phong, 1.0f, SELECT(solid, 1.0f - followedShare(m), 0.0f));
+    if (FOLLOWS_FACETS) {
+        bool rough = !phong && solid && m.roughness > 0.0f;
+        r.specularChance = SELECT(rough && reflects, 1.0f, 0.0f);
+        r.specularFromGlow = SELECT(rough, 1.0f, r.specularFromGlow);
+        r.specularFromSky = SELECT(rough && reflects, 1.0f, r.specularFromSky);
+        if (HAS(EFFECT_PATH)) r.specularFromSky = SELECT(rough, 1.0f, r.specularFromSky);
+    }
+    return r;
+}
 
 // ---- the order of the stages ----
 
@@ -384,6 +413,7 @@ struct Arrival {
     vec3 ambient;      // what the ambient light adds where nothing hides it
     bool occlusion;    // occlusion rays find out how much of `ambient` is hidden; else it is added already
     float air;         // metres of air before the surface; known with fog only
+    LightShares shares;
     uint next;         // NEXT_* bits of the paths that go on
     PathState indirect;
     PathState reflection;
@@ -398,22 +428,26 @@ struct Arrival {
     DO(NEXT_PASS, pass)             \
     DO(NEXT_REFRACTION, refraction)
 
+#include "integrators/path.glsl"
+
 // All that happens at a hit but its light and occlusion rays.
 Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, INOUT(vec3) radiance) {
     Arrival a;
     a.surface = surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hit);
     a.shading = shadingAt(a.surface);
     a.wo = -p.direction;
+    seenFrom(a.shading, a.wo);
     a.shading.facet = reflectingNormal(pixel, sampleIndex, p.salt, a.shading, a.wo);
     a.throughput = arrivingThroughput(p, a.surface);
-    radiance = withFog(radiance + emittedRadiance(a.shading, a.throughput), p, a.surface);
+    radiance = withFog(radiance + emittedRadiance(a.shading, a.throughput) * glowShare(p, a.surface), p, a.surface);
     a.next = uint(0u);
-    if (HAS(EFFECT_INDIRECT_LIGHT))
-        a.next = indirectRay(pixel, sampleIndex, p, a.surface, a.shading, a.wo, a.throughput, a.indirect);
+    if (BOUNCES_DIFFUSE) a.next = indirectRay(pixel, sampleIndex, p, a.surface, a.shading, a.throughput, a.indirect);
     a.ambient = ambientBeside(a.next, a.shading, a.wo, a.throughput);
     a.occlusion = needsOcclusion(a.ambient) && a.next == 0u;
     radiance = SELECT(a.occlusion, radiance, radiance + a.ambient);
     a.next = a.next | nextRays(p, a.surface, a.shading, a.throughput, a.reflection, a.refraction, a.pass, radiance);
+    if (HAS_SKY_LIGHT || HAS_LAMPS || HAS(EFFECT_PATH)) a.shares = lightShares(a.shading, a.next);
+    if (HAS(EFFECT_PATH)) chooseOne(pixel, sampleIndex, p.salt, a);
     a.air = 0.0f;
     if (HAS(EFFECT_FOG)) a.air = airBefore(p, a.surface);
     return a;
@@ -428,6 +462,10 @@ UNIFORM_UINT raysFromSurface(UNIFORM_UINT light, UNIFORM_UINT met) {
 // Ray `ray` of raysFromSurface + fogRays to a light. A path that met nothing has only a.air.
 ShadowRay rayToLight(UNIFORM_UINT light, UNIFORM_UINT ray, UNIFORM_UINT fromSurface, UNIFORM_UINT sampleIndex, uvec2 pixel,
                      IN(PathState) p, IN(Arrival) a) {
+    if (HAS_SKY_LIGHT || HAS_LAMPS) {
+        if (light >= FRAME.lightCount)
+            return sampledLightRay(light, sampleIndex, pixel, p.salt, a.surface, a.shading, a.wo, a.throughput, a.shares);
+    }
     if (HAS(EFFECT_FOG)) {
         if (ray >= fromSurface) return pathFogRay(light, ray - fromSurface, sampleIndex, pixel, p, a.air);
     }

@@ -28,6 +28,7 @@ void main() {
     else {
         vec3 one = vec3(1.0);
         vec3 wo = -direction;
+        seenFrom(m, wo);
         shown = emittedRadiance(m, one) + ambientContribution(m, wo, one);
         for (uint l = 0u; l < FRAME.lightCount; l++) shown += lightRay(l, s, m, wo, one).contribution;
         // What would pass or mirror is taken from the surroundings, so that glass is not black.

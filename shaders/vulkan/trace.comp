@@ -49,7 +49,7 @@ vec3 transmittance(Ray ray) {
 
 // The rays to the lights, in order, then those into the hemisphere. `met`: 1 at a hit, 0 where the path met nothing.
 void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a, inout vec3 radiance) {
-    bool several = HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG);  // rays a light
+    bool several = HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG) || HAS_SKY_LIGHT || HAS_LAMPS;
     uint lights = FRAME.lightCount;
     if (several) lights = (met != 0u ? allLightSamples() : 0u) + FRAME.lightCount * fogRays();
     bool occlusion = HAS(EFFECT_AMBIENT_OCCLUSION) && a.occlusion;
@@ -67,7 +67,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
             uint index = several ? light : i;
             uint own = several ? raysFromSurface(light, met) : 1u;
             r = rayToLight(index, raysOfLight, own, sampleIndex, pixel, p, a);
-            if (several && ++raysOfLight == own + fogRays()) {
+            if (several && ++raysOfLight == own + fogRaysTo(light)) {
                 light++;
                 raysOfLight = 0u;
             }

@@ -13,6 +13,7 @@ Settings glossySettings(bool on = true) {
     Settings settings;
     settings.glossyReflections = on;
     settings.contributionThreshold = 0.0f;
+    settings.surfaceLights = false;  // its own rays alone
     return settings;
 }
 
@@ -23,7 +24,7 @@ Material metal(float roughness) {
     return m;
 }
 
-/// Light that white GGX metal about +y, of width a = roughness squared, reflects towards wo when `radiance(wi)` comes in. Midpoints
+/// Light that white GGX metal that reflects once about +y, of width a = roughness squared, reflects towards wo when `radiance(wi)` comes in. Midpoints
 /// over half vectors, spread as the distribution has them; height-correlated shadowing (Heitz 2014).
 double reflected(dvec3 wo, double a, const std::function<double(dvec3)>& radiance) {
     const int side = 600;
@@ -43,40 +44,39 @@ double reflected(dvec3 wo, double a, const std::function<double(dvec3)>& radianc
     return sum / (side * side);
 }
 
-TEST(Glossy, ReflectsAsMuchOfAnEvenSkyAsTheLobeSays) {
-    for (float roughness : {0.1f, 0.2f}) {
+// What bounces between facets is given back: white metal loses nothing of an even sky.
+TEST(Glossy, ReflectsAllOfAnEvenSky) {
+    for (float roughness : {0.1f, 0.2f, 0.5f, 1.0f}) {
         SceneBuilder builder = darkness(vec3(1.0f));
         place(builder, ground(100.0f, builder.addMaterial(metal(roughness), "metal")));
         const auto scene = builder.finish();
         for (float degrees : {20.0f, 60.0f, 80.0f}) {
             const float angle = glm::radians(degrees);
             const Camera camera = lookAt(5.0f * vec3(0.0f, std::cos(angle), std::sin(angle)), vec3(0.0f), 0.1f);
-            const double expected =
-                reflected(dvec3(0.0, std::cos(angle), std::sin(angle)), roughness * roughness, [](dvec3) { return 1.0; });
             double mean = 0.0;
             for (const vec4& p : render(scene, camera, glossySettings(), 512, uvec2(5, 5)).pixels) mean += p.x / 25.0;
-            EXPECT_NEAR(mean, expected, 2e-3) << roughness << ' ' << degrees;
+            EXPECT_NEAR(mean, 1.0, 4e-3) << roughness << ' ' << degrees;
         }
     }
 }
 
 // The sky glows below 40 degrees of elevation only where a wall stands; the plate shows its upper edge blurred by the lobe.
 TEST(Glossy, BlursAnEdgeByTheLobe) {
-    for (float roughness : {0.1f, 0.2f, 0.3f}) {
+    for (float roughness : {0.1f, 0.2f, 0.3f, 0.5f}) {
         SceneBuilder builder = darkness();
         place(builder, ground(1.0f, builder.addMaterial(metal(roughness), "metal")));
         const uint32_t lamp = builder.addMaterial(glow(vec3(1.0f)), "lamp");
         place(builder, panel(vec3(-5000.0f, 0.5f, -1000.0f), vec3(10000, 0, 0), vec3(0, 1000, 0), lamp));
         const auto scene = builder.finish();
-        const double share = roughness < 0.25f ? 1.0 : 0.5;  // traceableShare(0.3)
         for (float degrees : {35.0f, 45.0f, 55.0f}) {
             const float angle = glm::radians(degrees);
             const dvec3 wo(0.0, std::sin(angle), std::cos(angle));
-            const double expected =
-                share * reflected(wo, roughness * roughness, [](dvec3 wi) {
-                    const double t = wi.z < 0.0 ? -1000.0 / wi.z : 0.0;
-                    return wi.z < 0.0 && wi.y * t < 1000.5 && wi.y * t > 0.5 && std::abs(wi.x * t) < 5000.0 ? 1.0 : 0.0;
-                });
+            const double a = roughness * roughness, whole = reflected(wo, a, [](dvec3) { return 1.0; });
+            const double lit = reflected(wo, a, [](dvec3 wi) {
+                const double t = wi.z < 0.0 ? -1000.0 / wi.z : 0.0;
+                return wi.z < 0.0 && wi.y * t < 1000.5 && wi.y * t > 0.5 && std::abs(wi.x * t) < 5000.0 ? 1.0 : 0.0;
+            });
+            const double expected = lit / whole;  // with what bounces between facets
             const Picture picture =
                 render(scene, lookAt(vec3(5.0 * wo), vec3(0.0f), 0.1f), glossySettings(), 1024, uvec2(3, 3));
             EXPECT_NEAR(picture.centre().x, expected, 0.012) << roughness << ' ' << degrees;
@@ -109,15 +109,15 @@ TEST(Glossy, LeavesAMirrorAMirror) {
     EXPECT_GT(with.stats.rays[RayKind::reflection], 0u);
 }
 
-TEST(Glossy, RoughSurfacesGetNoReflectionRay) {
+TEST(Glossy, SurfacesOfEveryRoughnessGetAReflectionRay) {
     SceneBuilder builder = darkness(vec3(0.5f));
-    place(builder, ground(10.0f, builder.addMaterial(metal(0.4f), "rough")));
-    const uint32_t smooth = builder.addMaterial(metal(0.1f), "smooth");
-    place(builder, panel(vec3(-1, 50, -1), vec3(2, 0, 0), vec3(0, 0, 2), smooth));  // calls for the effect, out of sight
+    place(builder, ground(10.0f, builder.addMaterial(metal(0.8f), "rough")));
     const auto scene = builder.finish();
     const Camera camera = lookAt(vec3(0, 2, 0), vec3(0.0f), 20.0f);
     ASSERT_TRUE(frameRequest(*scene, camera, glossySettings(), uvec2(8, 8), 1).effects.has(EFFECT_GLOSSY_REFLECTIONS));
-    EXPECT_EQ(render(scene, camera, glossySettings()).stats.rays[RayKind::reflection], 0u);
+    EXPECT_GT(render(scene, camera, glossySettings()).stats.rays[RayKind::reflection], 97u * 97u / 2u)
+        << "all but those that would go below the surface";
+    EXPECT_EQ(render(scene, camera, glossySettings(false)).stats.rays[RayKind::reflection], 0u);
 }
 
 }  // namespace

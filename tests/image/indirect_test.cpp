@@ -10,6 +10,7 @@ using namespace test;
 Settings indirect(bool on = true) {
     Settings settings;
     settings.indirectLight = on;
+    settings.surfaceLights = false;  // its own rays alone
     settings.contributionThreshold = 0.0f;
     return settings;
 }

@@ -117,11 +117,11 @@ TEST(Fresnel, IsTheSameFromBothSides) {
 
 TEST(Fresnel, SchlickRunsFromF0ToWhite) {
     const vec3 f0(0.04f, 0.5f, 0.9f);
-    EXPECT_EQ(kernel.fresnelSchlick(f0, 1.0f), f0);
-    EXPECT_EQ(kernel.fresnelSchlick(f0, 0.0f), vec3(1.0f));
+    EXPECT_EQ(kernel.fresnelSchlick(f0, 1.0f, 1.0f), f0);
+    EXPECT_EQ(kernel.fresnelSchlick(f0, 1.0f, 0.0f), vec3(1.0f));
     for (float c = 0.0f; c <= 1.0f; c += 0.01f) {
         const double exact = 0.04 + 0.96 * std::pow(1.0 - c, 5.0);
-        EXPECT_NEAR(kernel.fresnelSchlick(f0, c).x, exact, 3e-7);
+        EXPECT_NEAR(kernel.fresnelSchlick(f0, 1.0f, c).x, exact, 3e-7);
     }
 }
 

@@ -2,6 +2,7 @@
 // The scalar kernel with every effect compiled in, as the kernel's tests call it.
 
 #include "server/kernel/kernel.h"
+#include "server/scene/kernel_tables.h"
 #include "tests/support/random.h"
 
 #include <limits>
@@ -15,10 +16,12 @@ constexpr double EXACT_PI = 3.14159265358979323846;
 constexpr float INFINITE = std::numeric_limits<float>::infinity();
 constexpr float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 
-/// A kernel without a scene whose effects are all on.
+/// A kernel without a scene. All effects are on but those that need tables of one, and the path integrator.
 inline EveryKernel bareKernel() {
     EveryKernel kernel{};
-    kernel.frame.effects = 0xffffffffu;
+    kernel.scene.sobol = kernelTable().data();
+    kernel.frame.effects =
+        ~uint32_t(EFFECT_FILTERED_ENVIRONMENT | EFFECT_ENVIRONMENT_LIGHT | EFFECT_SURFACE_LIGHTS | EFFECT_PATH);
     return kernel;
 }
 

@@ -160,10 +160,10 @@ void compareArrivals(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&h
         FOR_NEXT_PATHS(COMPARE)
 #undef COMPARE
     }
-    for (uint32_t l = 0; l < lanes.frame.lightCount; l++) {
+    for (uint32_t l = 0; l < lanes.allLights(); l++) {
         const uint32_t own = lanes.raysFromSurface(l, 1);
         EXPECT_EQ(own, scalar.raysFromSurface(l, 1));
-        for (uint32_t ray = 0; ray < own + lanes.fogRays(); ray++) {
+        for (uint32_t ray = 0; ray < own + lanes.fogRaysTo(l); ray++) {
             SCOPED_TRACE("light " + std::to_string(l) + ", ray " + std::to_string(ray));
             const auto wideRay = lanes.rayToLight(l, ray, own, sample, pixel, path, w);
             for (int lane = 0; lane < LANES; lane++)
@@ -188,6 +188,8 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
         path.depth.v[i] = p.depth;
         path.medium.v[i] = p.medium;
         path.salt.v[i] = p.salt;
+        path.lobe.v[i] = p.lobe;
+        path.way.v[i] = p.way;
         hit.instance.v[i] = hits[i].hit.instance;
         hit.primitive.v[i] = hits[i].hit.primitive;
         pixel.x.v[i] = hits[i].pixel.x;
@@ -197,8 +199,9 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
     const uvec2 point = sobolTable()[random.below(EveryKernel::SOBOL_COUNT)];
     const auto wideStart = lanes.startSample(pixel, sample);
     const auto wideSurface = lanes.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
-    const auto wideShading = lanes.shadingAt(wideSurface);
+    auto wideShading = lanes.shadingAt(wideSurface);
     const wide::Vec3 wideWo = -path.direction;
+    lanes.seenFrom(wideShading, wideWo);
     const wide::Vec3 wideThroughput = path.throughput * lanes.mediumTransmittance(path.medium, wideSurface);
     const wide::Vec3 wideEmitted = lanes.emittedRadiance(wideShading, wideThroughput);
     const wide::Vec3 wideAmbient = lanes.ambientContribution(wideShading, wideWo, wideThroughput);
@@ -224,9 +227,10 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
         expectSame(wideStart, scalar.startSample(hits[lane].pixel, sample), lane);
         const auto surface = scalar.surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hits[lane].hit);
         expectSame(wideSurface, surface, lane, scalar.frame.effects);
-        const auto shading = scalar.shadingAt(surface);
-        expectSame(wideShading, shading, lane);
+        auto shading = scalar.shadingAt(surface);
         const vec3 wo = -p.direction;
+        scalar.seenFrom(shading, wo);
+        expectSame(wideShading, shading, lane);
         const vec3 throughput = p.throughput * scalar.mediumTransmittance(p.medium, surface);
         EXPECT_TRUE(same(wideThroughput, throughput, lane)) << "mediumTransmittance";
         const vec3 emitted = scalar.emittedRadiance(shading, throughput);

@@ -185,7 +185,7 @@ TEST(Sampling, DigitShiftKeepsTheStrata) {
 }
 
 TEST(Sampling, ShuffledPointsKeepTheirStrata) {
-    kernel.scene.sobol = sobolTable().data();
+    kernel.scene.sobol = kernelTable().data();
     for (uint32_t seed : {0u, 1u, 0x12345678u, 0xffffffffu}) {
         for (uint32_t log = 2; log <= 16; log += 2) {
             const uint32_t side = 1u << (log / 2);
@@ -203,7 +203,7 @@ TEST(Sampling, ShuffledPointsKeepTheirStrata) {
 // Two orders of the table have nothing to do with each other: pairs of them fill the square as chance would. (Pairs of one order
 // with two digit shifts lie on lines: 16 of 256 cells.)
 TEST(Sampling, ShufflesAreIndependentOfEachOther) {
-    kernel.scene.sobol = sobolTable().data();
+    kernel.scene.sobol = kernelTable().data();
     int tried = 0;
     double greatest = 0.0, sum = 0.0;
     for (uint32_t seed = 1; seed <= 64; seed++) {

@@ -60,7 +60,8 @@ struct Followed {
 Followed follow(Bench& bench, const EveryKernel::Surface& s, const Path& p) {
     bench.connect();
     Followed f;
-    const auto m = bench.kernel.shadingAt(s);
+    auto m = bench.kernel.shadingAt(s);
+    bench.kernel.seenFrom(m, -p.direction);
     f.kinds = bench.kernel.nextRays(p, s, m, p.throughput, f.reflection, f.refraction, f.pass, f.ended);
     if (f.kinds & EveryKernel::NEXT_REFLECTION) f.weights += f.reflection.throughput;
     if (f.kinds & EveryKernel::NEXT_REFRACTION) f.weights += f.refraction.throughput;
@@ -91,7 +92,8 @@ TEST(Whitted, NoMaterialGainsEnergyUnderAConstantSky) {
         const auto s = flatSurface(random.below(2) ? 1.0f : -1.0f);
         const Path p = pathUnder(random.real(0.0f, 1.0f));
         const Followed f = follow(bench, s, p);
-        const auto m = bench.kernel.shadingAt(s);
+        auto m = bench.kernel.shadingAt(s);
+        bench.kernel.seenFrom(m, -p.direction);
         const vec3 total = f.ended + f.weights + bench.kernel.ambientContribution(m, -p.direction, vec3(1.0f));
         ASSERT_TRUE(bench.kernel.isFinite3(total));
         ASSERT_LE(bench.kernel.maxComponent(total), 1.0f + 1e-3f)

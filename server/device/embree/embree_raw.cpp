@@ -106,6 +106,7 @@ BlockRays makeBlock(const EmbreeScene& scene, const FrameConstants& frame, uvec2
         if (hit.instance == NO_INDEX) return;
         auto s = k.surfaceAt(path.origin, path.direction, path.coneWidth, path.coneSpread, hit);
         auto m = k.shadingAt(s);
+        k.seenFrom(m, -path.direction);
         for (uint32_t l = 0; l < frame.lightCount; l++) {
             auto ray = k.lightRay(l, s, m, -path.direction, path.throughput);
             if (k.maxComponent(ray.contribution) > 0.0f) shadows[l].push(ray.ray.origin, ray.ray.direction, ray.ray.tMax);

@@ -11,13 +11,13 @@ public:
     using KernelType = Kernel<EFFECTS>;
 
     ShadowRays(TileJob& job, Arena& arena, KernelType& kernel) : job_(job), arena_(arena), kernel_(kernel) {
-        while (arena_.shadows.size() < kernel_.frame.lightCount) arena_.shadows.push_back(std::make_unique<ShadowQueue>());
+        while (arena_.shadows.size() < kernel_.allLights()) arena_.shadows.push_back(std::make_unique<ShadowQueue>());
     }
 
     /// Empties the queues and makes room for all rays of `points` points.
     void begin(uint32_t points) {
-        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++)
-            arena_.shadows[l]->reserve(points * (kernel_.lightSamples(l) + kernel_.fogRays()));
+        for (uint32_t l = 0; l < kernel_.allLights(); l++)
+            arena_.shadows[l]->reserve(points * (kernel_.lightSamples(l) + kernel_.fogRaysTo(l)));
     }
 
     /// Queues the rays of a group that would add something.
@@ -28,7 +28,7 @@ public:
 
     /// Traces what is queued. `width` as TraceMode has it; `fromEye`: the points were met by the camera's rays.
     void trace(uint32_t width, bool fromEye) {
-        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) traceLight(l, width, fromEye);
+        for (uint32_t l = 0; l < kernel_.allLights(); l++) traceLight(l, width, fromEye);
     }
 
 private:

@@ -49,6 +49,8 @@ struct alignas(64) PathArrays {
     uint32_t depth[BLOCK_LANES];
     uint32_t medium[BLOCK_LANES];
     uint32_t salt[BLOCK_LANES];
+    float lobe[BLOCK_LANES];
+    float way[BLOCK_LANES];
 };
 
 /// A path that waits.
@@ -61,6 +63,8 @@ struct StoredPath {
     uint32_t depth;
     uint32_t medium;
     uint32_t salt;
+    float lobe;
+    float way;
     uint32_t below;  // next entry of the same pixel, END = none
 };
 

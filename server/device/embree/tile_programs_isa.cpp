@@ -25,10 +25,10 @@ std::unique_ptr<TileProgram> makeProgram() {
 }
 
 /// The programs, from the fewest effects to all of them: column `tier` of the effect table.
-enum class Tier { plain, mirrors, occlusion, sharp, everything };
+enum class Tier { plain, mirrors, occlusion, sharp, spread, everything };
 
 /// Bits of the effects that the program of a tier has compiled in. What spreads its rays (shaders/kernel/effects) is looked
-/// for at run time in `everything` alone.
+/// for at run time in `spread` and `everything` alone, light that is sampled in the latter.
 constexpr uint32_t upTo(Tier last) {
     uint32_t bits = 0;
 #define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) bits |= Tier::tier <= last ? CONSTANT : 0u;
@@ -39,8 +39,8 @@ constexpr uint32_t upTo(Tier last) {
 template <Tier TIER>
 constexpr TileProgramRow ROW = {upTo(TIER), makeProgram<upTo(TIER)>};
 
-constexpr TileProgramRow ROWS[] = {ROW<Tier::plain>, ROW<Tier::mirrors>, ROW<Tier::occlusion>, ROW<Tier::sharp>,
-                                   ROW<Tier::everything>};
+constexpr TileProgramRow ROWS[] = {ROW<Tier::plain>, ROW<Tier::mirrors>, ROW<Tier::occlusion>,
+                                   ROW<Tier::sharp>, ROW<Tier::spread>,  ROW<Tier::everything>};
 
 }  // namespace
 

@@ -91,6 +91,8 @@ private:
         g.store(to.depth, path.depth);
         g.store(to.medium, path.medium);
         g.store(to.salt, path.salt);
+        g.store(to.lobe, path.lobe);
+        g.store(to.way, path.way);
     }
 
     HELIOGRAPH_INLINE Path loadPath(const Group& g) const {
@@ -104,6 +106,8 @@ private:
         path.depth = g.load(from.depth);
         path.medium = g.load(from.medium);
         path.salt = g.load(from.salt);
+        path.lobe = g.load(from.lobe);
+        path.way = g.load(from.way);
         return path;
     }
 
@@ -124,6 +128,8 @@ private:
             path.depth[lane] = stored->depth;
             path.medium[lane] = stored->medium;
             path.salt[lane] = stored->salt;
+            path.lobe[lane] = stored->lobe;
+            path.way[lane] = stored->way;
             arena_.active[arena_.activeCount++] = static_cast<uint16_t>(lane);
         }
     }
@@ -252,9 +258,9 @@ private:
         g.store(arena_.radiance, radiance);
         if (uint32_t bits = laneBits(a.occlusion) & g.mask()) occlusion_.push(g, bits, path, a);
         pushNext(g, a);
-        for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) {
+        for (uint32_t l = 0; l < kernel_.allLights(); l++) {
             uint32_t own = kernel_.raysFromSurface(l, 1);
-            for (uint32_t i = 0; i < own + kernel_.fogRays(); i++)
+            for (uint32_t i = 0; i < own + kernel_.fogRaysTo(l); i++)
                 shadows_.push(l, g, kernel_.rayToLight(l, i, own, sample_, pixel, path, a));
         }
     }
@@ -294,6 +300,8 @@ private:
         to.depth = from.depth.v[i];
         to.medium = from.medium.v[i];
         to.salt = from.salt.v[i];
+        to.lobe = from.lobe.v[i];
+        to.way = from.way.v[i];
     }
 
     void collect(uint32_t lanes) {

@@ -4,6 +4,8 @@
 #include "server/scene/build/ambient.h"
 #include "server/scene/build/content_hash.h"
 #include "server/scene/build/default_camera.h"
+#include "server/scene/build/emitters.h"
+#include "server/scene/build/environment_tables.h"
 #include "server/scene/build/image_pyramid.h"
 #include "server/scene/build/mesh_assembly.h"
 #include "server/scene/build/mesh_prepare.h"
@@ -23,6 +25,12 @@ namespace {
 
 constexpr vec3 DEFAULT_SURROUNDINGS{0.24f, 0.27f, 0.33f};  // an overcast sky, radiance
 constexpr float HEADLIGHT_IRRADIANCE = 2.0f;               // white facing the camera comes out at 2 / pi
+constexpr float LAMPS_IRRADIANCE = 0.25f;                  // of glowing surfaces, from which on no headlight is needed
+constexpr double SMOOTH_AMBIENT = 0.03;                    // relative error of nine coefficients that is let be
+constexpr double SMOOTH_REFLECTION = 0.3;                  // the same of what a surface of roughness 0.4 reflects
+constexpr double LIGHT_IN_SKY = 0.05;                      // share of the light from concentrated places that calls for rays
+constexpr uint64_t MOST_LIGHT_TEXELS = uint64_t(1) << 19;  // of an environment image that is sampled
+constexpr uint64_t MOST_FILTERED_TEXELS = 512 * 256;
 constexpr size_t MOST_WARNINGS = 64;
 constexpr size_t LONGEST_WARNING = 300;
 
@@ -89,6 +97,7 @@ void buildEnvironment(SceneDraft& draft) {
     Environment& environment = draft.scene.environment;
     environment = Environment{};
     environment.image = NO_INDEX;
+    environment.filtered = NO_INDEX;
     environment.intensity = 1.0f;
     if (draft.environmentImage < draft.images.size()) {
         environment.image = draft.environmentImage;
@@ -100,9 +109,37 @@ void buildEnvironment(SceneDraft& draft) {
     }
 }
 
-void buildLights(SceneDraft& draft) {
+/// The radiance of the environment image for its tables, before its pixels are freed; empty without one.
+RadianceMap environmentMap(const SceneDraft& draft) {
+    if (draft.scene.environment.image == NO_INDEX) return {};
+    return radianceMap(draft.images[draft.environmentImage], MOST_LIGHT_TEXELS);
+}
+
+/// The tables of the environment image, where its light is not smooth.
+void buildEnvironmentTables(Scene& scene, const RadianceMap& map, bool smooth) {
+    if (map.texels.empty()) return;
+    if (!smooth) scene.environment.filtered = appendFiltered(scene, halvedTo(map, MOST_FILTERED_TEXELS));
+    if (concentrated(map) > LIGHT_IN_SKY) appendLightTable(scene, scene.environment, map);
+}
+
+/// Whether nine coefficients hold the image's light. They are turned with the image; the map is not.
+bool hasSmoothSky(const SceneDraft& draft, const RadianceMap& map) {
+    if (map.texels.empty()) return true;
+    Environment unrotated{};
+    unrotated.intensity = 1.0f;
+    ambientFromImage(unrotated, draft.images[draft.environmentImage]);
+    const RadianceMap coarse = halvedTo(map, 128 * 64);
+    return ambientMisses(coarse, unrotated) <= SMOOTH_AMBIENT && reflectionMisses(coarse, unrotated) <= SMOOTH_REFLECTION;
+}
+
+/// `lamps`: irradiance of the glowing surfaces.
+void buildLights(SceneDraft& draft, float lamps) {
     checkLights(draft);
-    if (draft.lights.empty()) {
+    const bool image = draft.scene.environment.image != NO_INDEX;
+    if (draft.lights.empty() && (image || lamps >= LAMPS_IRRADIANCE)) {
+        addWarning(draft, std::string("no light in the file: ") +
+                              (image ? "the environment image lights it" : "its glowing surfaces light it"));
+    } else if (draft.lights.empty()) {
         Light light{};
         light.type = LIGHT_HEADLIGHT;
         light.direction = vec3(0.0f, 0.0f, -1.0f);
@@ -200,9 +237,12 @@ std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
     assembleMeshes(draft, opacityClasses(scene, imagesWithAlpha(draft.images)));
     report(progress, "geometry", 1.0);
     buildEnvironment(draft);
+    const RadianceMap surroundings = environmentMap(draft);
+    const bool smooth = hasSmoothSky(draft, surroundings);
     buildImages(draft, progress);
     report(progress, "images", 1.0);
-    buildLights(draft);
+    buildEnvironmentTables(scene, surroundings, smooth);
+    buildLights(draft, appendEmitters(scene));
     checkCameras(draft);
     if (scene.cameras.empty()) scene.cameras.push_back(defaultCamera(scene));
     scene.aoRadius = draft.aoRadius.value_or(0.1f * scene.bounds.radius());

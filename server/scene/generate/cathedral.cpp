@@ -24,6 +24,7 @@ uint32_t addGlass(SceneBuilder& builder, const std::string& name, int palette, f
     glass.ior = 1.5f;
     glass.baseTexture = glass.emissionTexture = builder.addTexture(slot);
     glass.emission = vec4(daylight, daylight, daylight, 0.0f);
+    glass.flags |= MATERIAL_LIT_APART;
     return builder.addMaterial(glass, name);
 }
 
@@ -49,6 +50,7 @@ cathedral::Materials addCathedralMaterials(SceneBuilder& builder) {
     m.wax = builder.addMaterial(matte({0.85f, 0.78f, 0.62f}, 0.6f), "wax");
     Material flame = matte(vec3(0.0f), 1.0f);
     flame.emission = vec4(14.0f, 8.5f, 3.2f, 0.0f);
+    flame.flags |= MATERIAL_LIT_APART;
     m.flame = builder.addMaterial(flame, "flame");
     m.iron = builder.addMaterial(matte({0.05f, 0.05f, 0.05f}, 0.6f), "iron");
     m.linen = builder.addMaterial(matte({0.82f, 0.80f, 0.75f}, 0.9f), "linen");

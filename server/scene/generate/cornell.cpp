@@ -24,6 +24,7 @@ void fillCornell(SceneBuilder& builder) {
     const uint32_t glass = builder.addMaterial(material, "glass");
     material = matte(vec3(0.0f), 1.0f);
     material.emission = vec4(6.0f, 5.4f, 4.4f, 0.0f);
+    material.flags |= MATERIAL_LIT_APART;
     const uint32_t lamp = builder.addMaterial(material, "lamp");
 
     MeshWriter room;

@@ -102,8 +102,8 @@ private:
     }
 
     void setSpecular(const tinygltf::Value& e) {
-        const vec3 tint = colorOf(e, "specularColorFactor", vec3(1.0f)) * float(numberOf(e, "specularFactor", 1.0));
-        to_.specular = vec4(tint, 0.0f);
+        const float factor = std::clamp(float(numberOf(e, "specularFactor", 1.0)), 0.0f, 1.0f);
+        to_.specular = vec4(colorOf(e, "specularColorFactor", vec3(1.0f)), 1.0f - factor);
         to_.specularTexture = textures_.slot(TextureUse::fromValue(e, "specularColorTexture"), true);
         if (e.Has("specularTexture")) warn("specularTexture (strength in alpha) is not drawn");
     }

@@ -33,6 +33,12 @@ UNIFORM_UINT fogRays() {
     return 0u;
 }
 
+// The same to one light; the mean of the surroundings stands for sampled ones.
+UNIFORM_UINT fogRaysTo(UNIFORM_UINT light) {
+    if (light >= FRAME.lightCount) return 0u;
+    return fogRays();
+}
+
 // A point on a way of length `way`: how far along, and what the fog scatters from there to its beginning per unit irradiance.
 struct FogPoint {
     float along;

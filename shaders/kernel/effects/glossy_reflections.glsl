@@ -1,8 +1,11 @@
-// Glossy reflections: each reflection ray leaves by a microfacet of its own instead of the mirror direction, so that rough metal
-// and polished floors blur what they reflect. Visible facets are chosen as Heitz does, "Sampling the GGX Distribution of
-// Visible Normals", JCGT 7(4) 2018. Left out: light that bounces between facets, and rough glass.
+// Glossy reflections: each reflection ray leaves by a microfacet of its own instead of the mirror direction, so that surfaces of
+// every roughness blur what they reflect. Visible facets are chosen as Heitz does, "Sampling the GGX Distribution of
+// Visible Normals", JCGT 7(4) 2018.
 
 UINT_CONSTANT(GLOSSY_SALT, 0x676c6f73u)
+
+// Whether reflection rays leave by facets. Paths always do.
+#define FOLLOWS_FACETS (HAS(EFFECT_GLOSSY_REFLECTIONS) || HAS(EFFECT_PATH))
 
 // A facet's normal, seen from wo (both local, about +z); a = roughness squared, u and v in [0, 1).
 vec3 visibleNormalGgx(vec3 wo, float a, float u, float v) {
@@ -24,23 +27,25 @@ vec3 visibleNormalGgx(vec3 wo, float a, float u, float v) {
     return normalize3(vec3(a * n.x, a * n.y, max(n.z, 1.0e-6f)));
 }
 
-// The normal about which the surface reflects a path that comes from wo: a facet's where it is rough, else its own.
+// The normal about which the surface reflects and bends a path that comes from wo: a facet's where it is rough, else its own.
 vec3 reflectingNormal(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, IN(Shading) m, vec3 wo) {
-    if (!HAS(EFFECT_GLOSSY_REFLECTIONS)) return m.normal;
-    bool rough = (m.flags & MATERIAL_PHONG) == 0u && m.transmission == 0.0f && m.roughness > 0.0f
-                 && traceableShare(m.roughness) > 0.0f;
     vec3 normal = m.normal;
-    if (ANY(rough)) {
-        uint shift = hashPixel(pixel, hashUint(salt + GLOSSY_SALT) + FRAME.seed);
-        uvec2 point = shuffledPoint(sampleIndex, shift);
-        vec3 tangent;
-        vec3 bitangent;
-        orthonormalBasis(m.normal, tangent, bitangent);
-        vec3 local = vec3(dot(wo, tangent), dot(wo, bitangent), max(dot(wo, m.normal), 1.0e-4f));
-        vec3 h = visibleNormalGgx(normalize3(local), m.roughness * m.roughness, unitFloat(point.x ^ shift),
-                                  unitFloat(point.y ^ hashUint(shift)));
-        vec3 facet = normalize3(tangent * h.x + bitangent * h.y + m.normal * h.z);
-        normal = SELECT(rough, facet, m.normal);
+    if (FOLLOWS_FACETS || HAS(EFFECT_ROUGH_GLASS)) {
+        bool rough = (m.flags & MATERIAL_PHONG) == 0u && m.roughness > 0.0f;
+        if (!HAS(EFFECT_ROUGH_GLASS)) rough = rough && m.transmission == 0.0f;
+        if (!FOLLOWS_FACETS) rough = rough && m.transmission > 0.0f;
+        if (ANY(rough)) {
+            uint shift = hashPixel(pixel, hashUint(salt + GLOSSY_SALT) + FRAME.seed);
+            uvec2 point = shuffledPoint(sampleIndex, shift);
+            vec3 tangent;
+            vec3 bitangent;
+            orthonormalBasis(m.normal, tangent, bitangent);
+            vec3 local = vec3(dot(wo, tangent), dot(wo, bitangent), max(dot(wo, m.normal), 1.0e-4f));
+            vec3 h = visibleNormalGgx(normalize3(local), lobeWidth(m.roughness), unitFloat(point.x ^ shift),
+                                      unitFloat(point.y ^ hashUint(shift)));
+            vec3 facet = normalize3(tangent * h.x + bitangent * h.y + m.normal * h.z);
+            normal = SELECT(rough, facet, m.normal);
+        }
     }
     return normal;
 }
@@ -48,7 +53,7 @@ vec3 reflectingNormal(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, IN(Shadi
 // What a ray that leaves by the facet weighs beside its Fresnel reflectance: the share of the facets that are seen from wo
 // and also from where the ray goes, G2 / G1. 1 for a mirror.
 float facetShare(IN(Shading) m, vec3 wo) {
-    float a = m.roughness * m.roughness;
+    float a = SELECT(m.roughness > 0.0f, lobeWidth(m.roughness), 0.0f);
     float a2 = a * a;
     float woh = dot(wo, m.facet);
     float nDotV = max(dot(m.normal, wo), 1.0e-4f);
@@ -56,4 +61,12 @@ float facetShare(IN(Shading) m, vec3 wo) {
     float g1 = 2.0f * nDotV / (nDotV + sqrt(a2 + (1.0f - a2) * nDotV * nDotV));
     float g2 = 4.0f * nDotV * nDotL * visibilityGgx(nDotV, max(nDotL, 0.0f), a);
     return SELECT(nDotL > 0.0f && woh > 0.0f, g2 / g1, 0.0f);
+}
+
+// Share of what goes through a rough surface that its other facets let go on, under `cosine` on the far side: G1. 1 for a
+// smooth one. Walter et al., "Microfacet Models for Refraction through Rough Surfaces" (2007).
+float throughShare(IN(Shading) m, float cosine) {
+    float a = SELECT((m.flags & MATERIAL_PHONG) == 0u && m.roughness > 0.0f, lobeWidth(m.roughness), 0.0f);
+    float c = max(cosine, 1.0e-4f);
+    return 2.0f * c / (c + sqrt(a * a + (1.0f - a * a) * c * c));
 }

@@ -2,8 +2,20 @@
 // sampled by the cone that they fill (Shirley, Wang & Zimmerman, "Monte Carlo Techniques for Direct Lighting
 // Calculations", 1996), quads by their area. A surface that faces a ball gets exactly what a point light would give.
 
+// How many sampled lights there are (sampled_lights.glsl).
+UNIFORM_UINT sampledLights() {
+    UNIFORM_UINT sum = 0u;
+    if (HAS_SKY_LIGHT) sum = sum + 1u;
+    if (HAS_LAMPS) sum = sum + 1u;
+    return sum;
+}
+
+// Lights of the scene and sampled ones.
+UNIFORM_UINT allLights() { return FRAME.lightCount + sampledLights(); }
+
 // 1 if the light has an extent, else 0.
 UNIFORM_UINT hasExtent(UNIFORM_UINT index) {
+    if (index >= FRAME.lightCount) return 0u;
     Light light = LIGHT(index);
     if (light.radius > 0.0f || light.type == LIGHT_QUAD) return 1u;
     return 0u;
@@ -16,10 +28,10 @@ UNIFORM_UINT lightSamples(UNIFORM_UINT index) {
     return FRAME.shadowSamples;
 }
 
-// The sum over all lights.
+// The sum over all lights, sampled ones too.
 UNIFORM_UINT allLightSamples() {
-    if (!HAS(EFFECT_SOFT_SHADOWS)) return FRAME.lightCount;
-    UNIFORM_UINT sum = 0u;
+    if (!HAS(EFFECT_SOFT_SHADOWS)) return allLights();
+    UNIFORM_UINT sum = sampledLights();
     for (UNIFORM_UINT i = 0u; i < FRAME.lightCount; i++) sum = sum + lightSamples(i);
     return sum;
 }

@@ -330,6 +330,31 @@ TEST(SceneBuilder, KeepsNarrowCamerasAndTellsWhichItWidens) {
               2);
 }
 
+TEST(SceneBuilder, AnImageOrALampNeedsNoHeadlight) {
+    SceneBuilder builder("t");
+    builder.addInstance(builder.addMesh(test::square()), mat4(1.0f));
+    ImageData sky;
+    sky.width = 2;
+    sky.height = 1;
+    sky.rgb32f = {1, 1, 1, 3, 3, 3};
+    builder.setEnvironmentImage(builder.addImage(sky));
+    const auto outside = builder.finish();
+    EXPECT_TRUE(outside->lights.empty());
+    EXPECT_THAT(outside->warnings, Contains("no light in the file: the environment image lights it"));
+    for (float radiance : {0.2f, 2.0f}) {
+        Material lamp = SceneBuilder::defaultMaterial();
+        lamp.emission = vec4(radiance, radiance, radiance, 0.0f);
+        MeshData mesh = test::square();
+        mesh.materials.assign(mesh.indices.size(), builder.addMaterial(lamp, "lamp"));
+        builder.addInstance(builder.addMesh(mesh), mat4(1.0f));
+        const auto scene = builder.finish();
+        EXPECT_EQ(scene->lights.empty(), radiance > 1.0f) << radiance;
+        EXPECT_EQ(scene->environment.emitterCount, 2u);
+        // Two triangles of together 1 m^2: each square metre has all of the points.
+        EXPECT_NEAR(scene->materials[1].emission.w, 1.0f, 1e-5f);
+    }
+}
+
 TEST(SceneBuilder, KeepsALightThatIsThere) {
     SceneBuilder builder("t");
     Light light{};

@@ -49,7 +49,9 @@ export class EffectsPanel {
   }
 
   private allowed(row: EffectRow): boolean {
-    return row.setting === null || allows(this.viewer_.settings.value(row.setting.name));
+    if (row.setting === null) return true;
+    const value = this.viewer_.settings.value(row.setting.name);
+    return row.setting.type === 'choice' ? value !== row.setting.choices[0] : allows(value);
   }
 
   private build(effects: readonly EffectReason[], schema: readonly SettingRow[]): void {

@@ -129,7 +129,7 @@ void GpuScene::putArrays() {
     put(BINDING_TEXELS, "images' texels", s.texels.data(), s.texels.size());
     put(BINDING_LIGHTS, "lights", s.lights.data(), s.lights.size());
     put(BINDING_ENVIRONMENT, "environment", &s.environment, 1);
-    put(BINDING_SOBOL, "sample points", sobolTable().data(), sobolTable().size());
+    put(BINDING_SOBOL, "tables", kernelTable().data(), kernelTable().size());
 }
 
 OwnedBufferView GpuScene::view(const GpuBuffer& buffer, VkFormat format) const {

@@ -28,6 +28,7 @@ uint32_t roundUp(uint32_t n, uint32_t step) { return (n + step - 1) / step * ste
 }  // namespace
 
 uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
+    if (effects.has(EFFECT_PATH)) return 1;
     // The ray pushed last is traced first, in the order refraction, pass, reflection. So along the chain of rays that leads
     // to a pixel's deepest one, a refraction leaves up to two others waiting, a pass one, a reflection none.
     uint32_t reflects = effects.has(EFFECT_REFLECTIONS) && settings.maxReflections > 0 ? 1 : 0;
@@ -43,7 +44,8 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
 }
 
 bool pathsGoOn(EffectSet effects) {
-    return (effects.bits & (EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND | EFFECT_INDIRECT_LIGHT)) != 0;
+    return (effects.bits & (EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND | EFFECT_INDIRECT_LIGHT |
+                            EFFECT_GLOSSY_REFLECTIONS | EFFECT_PATH)) != 0;
 }
 
 TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::span<const uint32_t> other)

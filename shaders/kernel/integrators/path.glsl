@@ -1,0 +1,33 @@
+// The path integrator: of the rays that the interactive one would send on from a hit, one, chosen by weight. Direct light comes
+// from rays to the lights at every hit, and all else from where the path goes. Kajiya, "The Rendering Equation" (1986). Left
+// out: light that only passes solid glass to a light without extent.
+
+UINT_CONSTANT(PATH_SALT, 0x70617468u)
+
+float weightOf(uint next, uint bit, IN(PathState) path) {
+    return SELECT((next & bit) != 0u, maxComponent(path.throughput), 0.0f);
+}
+
+// Keeps one of the paths that go on, weighted by one over its chance; tells the rays to sampled lights of it.
+void chooseOne(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, INOUT(Arrival) a) {
+    float diffuse = weightOf(a.next, NEXT_INDIRECT, a.indirect);
+    float reflected = weightOf(a.next, NEXT_REFLECTION, a.reflection);
+    float passed = weightOf(a.next, NEXT_PASS, a.pass);
+    float refracted = weightOf(a.next, NEXT_REFRACTION, a.refraction);
+    float sum = diffuse + reflected + passed + refracted;
+    float perSum = 1.0f / SELECT(sum > 0.0f, sum, 1.0f);
+    uint shift = hashPixel(pixel, hashUint(salt + PATH_SALT) + FRAME.seed);
+    float u = unitFloat(shuffledPoint(sampleIndex, shift).x ^ shift) * sum;
+    uint next = SELECT(u < diffuse, uint(NEXT_INDIRECT), SELECT(u < diffuse + reflected, uint(NEXT_REFLECTION),
+                SELECT(u < diffuse + reflected + passed, uint(NEXT_PASS), uint(NEXT_REFRACTION))));
+    a.next = a.next & next;
+    a.indirect.throughput = a.indirect.throughput * (sum / max(diffuse, 1.0e-30f));
+    a.indirect.lobe = a.indirect.lobe * (diffuse * perSum);
+    a.reflection.throughput = a.reflection.throughput * (sum / max(reflected, 1.0e-30f));
+    float lobe = a.reflection.lobe * (reflected * perSum);
+    a.reflection.lobe = SELECT(a.reflection.lobe < FLOAT_MAX, lobe, FLOAT_MAX);
+    a.pass.throughput = a.pass.throughput * (sum / max(passed, 1.0e-30f));
+    a.refraction.throughput = a.refraction.throughput * (sum / max(refracted, 1.0e-30f));
+    a.shares.diffuseChance = a.shares.diffuseChance * (diffuse * perSum);
+    a.shares.specularChance = a.shares.specularChance * (reflected * perSum);
+}
