@@ -1,7 +1,8 @@
 #include "server/app/render_command.h"
 
 #include "server/app/devices.h"
-#include "server/base/output_file.h"
+#include "server/app/frame_range.h"
+#include "server/app/picture_target.h"
 #include "server/base/progress_bar.h"
 #include "server/base/clock.h"
 #include "server/base/error.h"
@@ -36,14 +37,8 @@ struct RenderResult {
     FrameStats stats;
 };
 
-enum class Format { png, exr, jpeg };
-
-Format formatOf(const OutputFile& file) {
-    std::string extension = file.extension();
-    if (extension == "png") return Format::png;
-    if (extension == "exr") return Format::exr;
-    if (extension == "jpg" || extension == "jpeg") return Format::jpeg;
-    throw InputError("--out " + file.path(), "unknown format '" + extension + "'", "a name that ends in .png, .exr or .jpg");
+std::string dumped(const nlohmann::ordered_json& json) {
+    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 GivenSettings settingsOf(const RenderOptions& options) {
@@ -53,18 +48,18 @@ GivenSettings settingsOf(const RenderOptions& options) {
     return given;
 }
 
-std::vector<uint8_t> encoded(const Film& film, Format format, const Settings& settings, float sceneExposure) {
+std::vector<uint8_t> encoded(const Film& film, PictureFormat format, const Settings& settings, float sceneExposure) {
     std::vector<vec4> pixels;
     film.develop(pixels);
     std::vector<uint8_t> bytes;
-    if (format == Format::exr) {
+    if (format == PictureFormat::exr) {
         encodeExr(pixels, film.resolution(), bytes);
         return bytes;
     }
     DisplayImage image;
     const ToneMap toneMap(sceneExposure + settings.exposure, static_cast<ToneCurve>(settings.toneCurve));
     toneMap.apply(pixels, film.resolution(), image);
-    std::unique_ptr<Encoder> encoder = format == Format::png ? makePngEncoder() : makeJpegEncoder();
+    std::unique_ptr<Encoder> encoder = format == PictureFormat::png ? makePngEncoder() : makeJpegEncoder();
     encoder->encode(image, settings.jpegQuality, bytes);
     return bytes;
 }
@@ -72,16 +67,17 @@ std::vector<uint8_t> encoded(const Film& film, Format format, const Settings& se
 nlohmann::ordered_json toJson(const RenderResult& r) {
     nlohmann::ordered_json tiles = nlohmann::ordered_json::object();
     for (const auto& [device, count] : r.stats.tiles) tiles[device] = count;
-    return {{"scene", r.scene},
-            {"device", r.device},
-            {"width", r.request.resolution.x},
-            {"height", r.request.resolution.y},
-            {"samples", r.stats.samples},
-            {"effects", effectNames(r.request.effects)},
-            {"ms", {{"load", r.ms.load}, {"build", r.ms.build}, {"render", r.ms.render}}},
-            {"rays", toJson(r.stats.rays)},
-            {"tiles", tiles},
-            {"nonfinite_samples", r.stats.nonfiniteSamples}};
+    nlohmann::ordered_json json = {{"scene", r.scene},
+                                   {"device", r.device},
+                                   {"width", r.request.resolution.x},
+                                   {"height", r.request.resolution.y},
+                                   {"samples", r.stats.samples},
+                                   {"effects", effectNames(r.request.effects)},
+                                   {"ms", {{"load", r.ms.load}, {"build", r.ms.build}, {"render", r.ms.render}}},
+                                   {"rays", toJson(r.stats.rays)},
+                                   {"tiles", tiles},
+                                   {"nonfinite_samples", r.stats.nonfiniteSamples}};
+    return json;
 }
 
 void printForPeople(const RenderResult& r, const std::string& file, std::ostream& out) {
@@ -98,47 +94,179 @@ void printForPeople(const RenderResult& r, const std::string& file, std::ostream
     if (r.stats.nonfiniteSamples > 0) out << r.stats.nonfiniteSamples << " samples were no numbers and are left out\n";
 }
 
+/// A scene on a device, and what all its pictures have in common.
+class Studio {
+public:
+    Studio(const RenderOptions& options, const PictureTarget& target)
+        : given_(settingsOf(options)), resolution_(renderedSize(parsedSize(options.size), given_.settings)), target_(target) {}
+
+    void open(const RenderOptions& options, const Progress& progress) {
+        StopWatch watch;
+        scene_ = openScene(options.scene, options.environment, progress);
+        result_.ms.load = watch.milliseconds();
+        camera_ = chosenCamera(*scene_, options.camera, given_);
+        if (!options.previousCamera.empty()) {
+            GivenSettings apart = given_;  // the picture keeps its own field of view
+            previous_ = chosenCamera(*scene_, options.previousCamera, apart, "--previous-camera");
+        }
+        result_.scene = scene_->name;
+    }
+
+    void build(const Progress& progress) {
+        StopWatch watch;
+        device_ = makeRenderer(given_.settings);
+        device_->load(scene_, given_.settings, progress);
+        result_.ms.build = watch.milliseconds();
+        result_.device = device_->info().name;
+    }
+
+    const Scene& scene() const { return *scene_; }
+    const Camera& camera() const { return camera_; }
+    const std::optional<Camera>& previous() const { return previous_; }
+    const GivenSettings& given() const { return given_; }
+
+    /// Renders and writes one picture; its own time is in `ms.render`.
+    const RenderResult& picture(const Camera& camera, const std::optional<Camera>& previous, uint32_t frame,
+                                const Progress& progress) {
+        result_.request = frameRequest(*scene_, camera, given_.settings, resolution_, ++generation_);
+        result_.request.previousCamera = previous;
+        result_.stats = renderFrame(*device_, result_.request, given_.settings.samples, film_, {}, progress);
+        result_.ms.render = result_.stats.milliseconds;
+        target_.write(encoded(film_, target_.format(), given_.settings, scene_->exposure), frame);
+        return result_;
+    }
+    /// As far as it is known.
+    const RenderResult& result() const { return result_; }
+
+private:
+    GivenSettings given_;
+    const uvec2 resolution_;
+    const PictureTarget& target_;
+    RenderResult result_;
+    std::shared_ptr<const Scene> scene_;
+    Camera camera_;
+    std::optional<Camera> previous_;
+    std::unique_ptr<Renderer> device_;
+    uint32_t generation_ = 0;
+    Film film_;
+};
+
+void warn(const Scene& scene) {
+    for (const std::string& warning : scene.warnings) std::cerr << "warning: " << oneLine(warning) << "\n";
+}
+
+int renderPicture(Studio& studio, const RenderOptions& options, std::ostream& out) {
+    {
+        ProgressBar bar;
+        studio.open(options, bar.progress());
+        studio.build(bar.progress());
+        studio.picture(studio.camera(), studio.previous(), 0, bar.progress());
+    }
+    warn(studio.scene());
+    if (options.json) out << dumped(toJson(studio.result()));
+    else printForPeople(studio.result(), options.out, out);
+    return 0;
+}
+
+/// What `render --path` did.
+struct Batch {
+    FrameRange range;
+    uint32_t skipped = 0;  // were there already
+    double milliseconds = 0.0;
+    uint64_t nonfiniteSamples = 0;
+    nlohmann::ordered_json frames = nlohmann::ordered_json::array();
+};
+
+/// Those of the range that are still to be made.
+std::vector<uint32_t> wantedFrames(const FrameRange& range, const PictureTarget& target, bool resume) {
+    std::vector<uint32_t> wanted;
+    for (uint32_t frame = range.first; frame <= range.last; frame++)
+        if (!resume || !target.isThere(frame)) wanted.push_back(frame);
+    return wanted;
+}
+
+/// Makes the frames, telling after each how long the rest will take.
+void renderFrames(Studio& studio, const RenderOptions& options, const PictureTarget& target, Batch& batch) {
+    const CameraPath& path = chosenPath(studio.scene(), options.path);
+    batch.range = options.frames.empty() ? wholePath(path, options.framesPerSecond) : parsedFrames(options.frames);
+    const std::vector<uint32_t> wanted = wantedFrames(batch.range, target, options.resume);
+    batch.skipped = batch.range.count() - static_cast<uint32_t>(wanted.size());
+    if (wanted.empty()) return;
+    ProgressBar bar;
+    studio.build(bar.progress());
+    StopWatch watch;
+    const auto count = static_cast<uint32_t>(wanted.size());
+    for (uint32_t done = 0; done < count; done++) {
+        const uint32_t frame = wanted[done];
+        const std::optional<double> left = secondsLeft(done, count, watch.milliseconds() / 1e3);
+        const std::string what = "frame " + std::to_string(frame) + " (" + std::to_string(done + 1) + " of " +
+                                 std::to_string(count) + ")" + (left ? ", " + durationText(*left) + " left" : "");
+        auto within = [&](const std::string&, double share) { report(bar.progress(), what, (done + share) / count); };
+        const auto at = [&](int64_t f) { return cameraAtFrame(path, f, options.framesPerSecond, studio.camera().fieldOfView); };
+        const RenderResult& made = studio.picture(at(frame), at(static_cast<int64_t>(frame) - 1), frame, within);
+        if (!bar.visible()) std::cerr << what << ": " << durationText(made.ms.render / 1e3) << "\n";
+        batch.milliseconds += made.ms.render;
+        batch.nonfiniteSamples += made.stats.nonfiniteSamples;
+        batch.frames.push_back({{"frame", frame},
+                                {"file", target.name(frame)},
+                                {"ms", made.ms.render},
+                                {"nonfinite_samples", made.stats.nonfiniteSamples}});
+    }
+}
+
+int renderPath(Studio& studio, const RenderOptions& options, const PictureTarget& target, std::ostream& out) {
+    Batch batch;
+    {
+        ProgressBar bar;
+        studio.open(options, bar.progress());
+    }
+    renderFrames(studio, options, target, batch);
+    warn(studio.scene());
+    if (options.json) {
+        nlohmann::ordered_json json = toJson(studio.result());
+        for (const char* ofOne : {"rays", "tiles"}) json.erase(ofOne);
+        json["ms"]["render"] = batch.milliseconds;
+        json["nonfinite_samples"] = batch.nonfiniteSamples;
+        json["path"] = options.path;
+        json["frames_per_second"] = options.framesPerSecond;
+        json["first"] = batch.range.first;
+        json["last"] = batch.range.last;
+        json["skipped"] = batch.skipped;
+        json["frames"] = batch.frames;
+        out << dumped(json);
+        return 0;
+    }
+    out << options.out << ": frames " << batch.range.first << " to " << batch.range.last << " of " << options.path << ", "
+        << batch.frames.size() << " rendered in " << durationText(batch.milliseconds / 1e3) << ", " << batch.skipped
+        << " were there\n";
+    if (batch.nonfiniteSamples > 0) out << batch.nonfiniteSamples << " samples were no numbers and are left out\n";
+    return 0;
+}
+
+/// What goes together only with --path.
+void checkTogether(const RenderOptions& options) {
+    if (options.path.empty()) {
+        if (!options.frames.empty()) throw InputError("--frames", "without --path", "both, or neither");
+        if (options.resume) throw InputError("--resume", "without --path", "both, or neither");
+        return;
+    }
+    if (!options.previousCamera.empty())
+        throw InputError("--previous-camera", "with --path, where each frame has its own", "one of both");
+    if (options.resume && options.out == "-") throw InputError("--resume", "with --out -", "files, of which some are there");
+    if (!(options.framesPerSecond >= 0.01 && options.framesPerSecond <= 1000.0))
+        throw InputError("--fps", std::to_string(options.framesPerSecond), "0.01 to 1000");
+    if (!options.frames.empty()) parsedFrames(options.frames);
+}
+
 }  // namespace
 
 int runRender(const RenderOptions& options, std::ostream& out) {
-    GivenSettings given = settingsOf(options);
-    const uvec2 resolution = renderedSize(parsedSize(options.size), given.settings);
-    const OutputFile file("--out", options.out);
-    const Format format = formatOf(file);
-    if (format == Format::exr) imageModule();  // if it is missing, that is said before any work
-
-    RenderResult result;
-    Film film;
-    std::shared_ptr<const Scene> scene;
-    {
-        ProgressBar bar;
-        StopWatch watch;
-        scene = openScene(options.scene, options.environment, bar.progress());
-        result.ms.load = watch.milliseconds();
-        const Camera camera = chosenCamera(*scene, options.camera, given);
-        std::optional<Camera> previous;
-        if (!options.previousCamera.empty()) {
-            GivenSettings apart = given;  // the picture keeps its own field of view
-            previous = chosenCamera(*scene, options.previousCamera, apart, "--previous-camera");
-        }
-
-        watch.restart();
-        std::unique_ptr<Renderer> device = makeRenderer(given.settings);
-        device->load(scene, given.settings, bar.progress());
-        result.ms.build = watch.milliseconds();
-
-        result.request = frameRequest(*scene, camera, given.settings, resolution, 1);
-        result.request.previousCamera = previous;
-        result.stats = renderFrame(*device, result.request, given.settings.samples, film, {}, bar.progress());
-        result.ms.render = result.stats.milliseconds;
-        result.scene = scene->name;
-        result.device = device->info().name;
-    }
-    file.write(encoded(film, format, given.settings, scene->exposure));
-    for (const std::string& warning : scene->warnings) std::cerr << "warning: " << oneLine(warning) << "\n";
-    if (options.json) out << toJson(result).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
-    else printForPeople(result, options.out, out);
-    return 0;
+    checkTogether(options);
+    const PictureTarget target(options.out, options.format, !options.path.empty());
+    Studio studio(options, target);
+    if (target.format() == PictureFormat::exr) imageModule();  // if it is missing, that is said before any work
+    std::ostream& words = target.toStdout() ? std::cerr : out;
+    return options.path.empty() ? renderPicture(studio, options, words) : renderPath(studio, options, target, words);
 }
 
 void addRenderCommand(CLI::App& app, std::function<int()>& run) {
@@ -146,16 +274,26 @@ void addRenderCommand(CLI::App& app, std::function<int()>& run) {
     CLI::App* command = app.add_subcommand("render", "Render a picture of a scene into a file");
     addSceneArgument(*command, *options);
     command
-        ->add_option("--out", options->out,
-                     "File to write: .png or .jpg as the viewer shows it, .exr the linear float values of the film")
+        ->add_option(
+            "--out", options->out,
+            "File to write: .png or .jpg as the viewer shows it, .exr the linear float values of the film; with --path a\n"
+            "name with %d or %04d for the frame. - is standard output")
         ->type_name("FILE")
         ->required();
+    command->add_option("--format", options->format, "png, exr or jpg, whatever the file is called")->type_name("NAME");
     command->add_option("--samples", options->samples, "Samples per pixel, 1 to 65536; without it 16")->type_name("N");
     addCameraOption(*command, *options);
     command
         ->add_option("--previous-camera", options->previousCamera,
                      "The scene's camera at which it was a frame ago, for motionBlur; without it the camera rests")
         ->type_name("NAME");
+    command->add_option("--path", options->path, "Render frames along this camera path of the scene")->type_name("NAME");
+    command->add_option("--frames", options->frames, "First and last frame; without it the whole path")
+        ->type_name("FIRST:LAST");
+    command->add_option("--fps", options->framesPerSecond, "Frames a second of the path's time")
+        ->type_name("N")
+        ->capture_default_str();
+    command->add_flag("--resume", options->resume, "Leave frames alone whose file is there");
     addRenderOptions(*command, *options);
     addJsonOption(*command, *options);
     command->footer(
@@ -163,6 +301,8 @@ void addRenderCommand(CLI::App& app, std::function<int()>& run) {
         "  heliograph render courtyard --out courtyard.png\n"
         "  heliograph render model.glb --out model.exr --size 1920x1080 --samples 256\n"
         "  heliograph render glass --out glass.jpg --set exposure=0.5 --set maxReflections=4\n"
+        "  heliograph render courtyard --path Walk --frames 0:59 --out frame.%04d.exr --resume\n"
+        "  heliograph render courtyard --camera 0,2,8:0,1,0:50 --out - > courtyard.png\n"
         "The same command writes the same file, whatever the number of threads and the size of the tiles.\n"
         "jpegQuality is the quality of a .jpg; renderScale makes the picture smaller than --size.\n\n" +
         settingsHelp());

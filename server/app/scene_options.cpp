@@ -6,12 +6,27 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
+#include <string_view>
 
 namespace heliograph {
 
 namespace {
 
 constexpr uint64_t MOST_PIXELS = 33'177'600;  // 7680 x 4320
+
+/// `a,b,c` as exactly `count` numbers; false when it is anything else.
+bool numbersOf(std::string_view text, std::span<float> numbers) {
+    for (size_t i = 0; i < numbers.size(); i++) {
+        const size_t comma = text.find(',');
+        if ((comma == std::string_view::npos) != (i + 1 == numbers.size())) return false;
+        const std::string_view word = text.substr(0, comma);
+        auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), numbers[i]);
+        if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(numbers[i])) return false;
+        text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+    }
+    return true;
+}
 
 }  // namespace
 
@@ -38,7 +53,11 @@ void addRenderOptions(CLI::App& command, SceneOptions& options) {
 }
 
 void addCameraOption(CLI::App& command, SceneOptions& options) {
-    command.add_option("--camera", options.camera, "One of the scene's cameras; without it the first one")->type_name("NAME");
+    command
+        .add_option(
+            "--camera", options.camera,
+            "One of the scene's cameras; without it the first one. Or a place, a target and degrees: x,y,z:tx,ty,tz:fov")
+        ->type_name("NAME|PLACE");
 }
 
 std::string settingsHelp() {
@@ -88,15 +107,31 @@ uvec2 renderedSize(uvec2 size, const Settings& settings) {
     return {scaled(size.x), scaled(size.y)};
 }
 
+std::optional<Camera> typedCamera(const std::string& text, const char* option) {
+    constexpr float USUAL_DEGREES = 60.0f;
+    const size_t first = text.find(':');
+    float position[3], target[3], degrees = USUAL_DEGREES;
+    if (first == std::string::npos || !numbersOf(std::string_view(text).substr(0, first), position)) return {};
+    std::string_view rest = std::string_view(text).substr(first + 1);
+    const size_t second = rest.find(':');
+    bool good = numbersOf(rest.substr(0, second), target);
+    if (second != std::string_view::npos) good = good && numbersOf(rest.substr(second + 1), {&degrees, 1});
+    if (!good) throw InputError(option, "'" + text + "'", "x,y,z:tx,ty,tz or x,y,z:tx,ty,tz:fov, for example 0,2,8:0,1,0:50");
+    const CameraPath::Key key{{position[0], position[1], position[2]}, {target[0], target[1], target[2]}};
+    if (key.position == key.target) throw InputError(option, "'" + text + "'", "a target at another place than the position");
+    if (!(degrees >= 0.01f && degrees <= 179.0f)) throw InputError(option, "'" + text + "'", "0.01 to 179 degrees");
+    return cameraOnPath({"", 1.0f, false, {key, key}}, 0.0, degrees);  // which keeps a camera upright
+}
+
 Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option) {
-    for (const NamedCamera& candidate : scene.cameras) {
-        if (name.empty() || candidate.name == name) {
-            Camera camera = cameraFrom(candidate);
-            if (given.has("fieldOfView")) camera.fieldOfView = given.settings.fieldOfView;
-            else given.settings.fieldOfView = camera.fieldOfView;
-            return checkedCamera(camera, scene);
-        }
-    }
+    auto taken = [&](Camera camera) {
+        if (given.has("fieldOfView")) camera.fieldOfView = given.settings.fieldOfView;
+        else given.settings.fieldOfView = camera.fieldOfView;
+        return checkedCamera(camera, scene);
+    };
+    for (const NamedCamera& candidate : scene.cameras)
+        if (name.empty() || candidate.name == name) return taken(cameraFrom(candidate));
+    if (const std::optional<Camera> typed = typedCamera(name, option)) return taken(*typed);
     throw InputError(option, "the scene has no '" + name + "'",
                      joined(scene.cameras, ", ", [](const NamedCamera& camera) { return camera.name; }));
 }

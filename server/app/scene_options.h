@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -48,7 +49,10 @@ GivenSettings givenSettings(const SceneOptions& options);
 uvec2 parsedSize(const std::string& text);
 /// The pixels that are rendered for a picture of `size`: times renderScale, at least 1x1.
 uvec2 renderedSize(uvec2 size, const Settings& settings);
-/// The scene's camera of that name, or its first for "". A fieldOfView that was named replaces the camera's, else the
+/// A camera as typed: `x,y,z:tx,ty,tz` or `x,y,z:tx,ty,tz:fov`, position, target, degrees (60 where left out); nothing for a
+/// text that does not begin like that. Throws InputError, naming `option`, for one that goes wrong later.
+std::optional<Camera> typedCamera(const std::string& text, const char* option = "--camera");
+/// The scene's camera of that name or as typed, or its first for "". A fieldOfView that was named replaces the camera's, else the
 /// setting takes over the camera's. Throws InputError that lists the names.
 Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option = "--camera");
 

@@ -14,6 +14,8 @@ public:
 
     /// A callback that draws; valid as long as this. Calls from several threads must not overlap.
     Progress progress();
+    /// Whether anybody sees it.
+    bool visible() const { return terminal_; }
 
 private:
     void draw(const std::string& what, double share);
