@@ -35,7 +35,8 @@ export class Frames {
   }
 
   presented({ frame, decodeMs, time }: Presentation): void {
-    const latency = this.meter_.presented(frame, decodeMs, time);
+    const arrived = this.arrivals_.get(frame.frameId) ?? time;
+    const latency = this.meter_.presented(frame, decodeMs, time, arrived);
     this.acknowledge(frame.frameId, latency !== null && latency <= LONGEST_PRESENTED_MS ? latency : null, time);
     this.state_.lastFrame = frame;
     this.state_.framesPresented += 1;

@@ -17,18 +17,46 @@ import { displayName, fileName } from './page/scene_name.js';
 import { SettingsPanel, storedResolutionMode } from './panels/settings/settings_panel.js';
 import { StatsPanel } from './panels/statistics/stats_panel.js';
 import { Toasts } from './page/toast.js';
-import { Dock, SceneBar } from './page/toolbar.js';
+import { Dock, SceneBar, type DockHooks } from './page/toolbar.js';
+import { traceFile } from './picture/frame_trace.js';
 import { Viewer } from './viewer.js';
 
 const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg' } as const;
 
-function saveToDisk(frame: Frame, scene: string): string {
-  const name = fileName(scene, frame.width, frame.height, frame.samples, EXTENSIONS[frame.codec]);
-  const url = URL.createObjectURL(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] }));
+function download(file: Blob, name: string): void {
+  const url = URL.createObjectURL(file);
   el('a', { href: url, download: name }).click();
   window.setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
+function saveToDisk(frame: Frame, scene: string): string {
+  const name = fileName(scene, frame.width, frame.height, frame.samples, EXTENSIONS[frame.codec]);
+  download(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] }), name);
   return name;
 }
+
+function saveTrace(viewer: Viewer): string {
+  const name = `${viewer.state.readyName || 'heliograph'}-trace.json`;
+  download(new Blob([traceFile(viewer.stream.trace.frames)], { type: 'application/json' }), name);
+  return name;
+}
+
+/** Copies the address of the view; where the browser does not allow that it is shown. */
+async function share(viewer: Viewer, toasts: Toasts): Promise<void> {
+  const address = viewer.shareAddress();
+  if (address === null) return void toasts.show('error', 'There is no view to share yet. Wait until the server answers.');
+  try {
+    await navigator.clipboard.writeText(address);
+    toasts.show('notice', 'The link is copied. Who opens it watches this view, and drives it when you leave.');
+  } catch {
+    toasts.show('notice', `Who opens this link watches this view: ${address}`, true);
+  }
+}
+
+const sharing = (viewer: Viewer, toasts: Toasts): Pick<DockHooks, 'share' | 'saveTrace'> => ({
+  share: () => void share(viewer, toasts),
+  saveTrace: () => void toasts.show('notice', `Saved ${saveTrace(viewer)}`),
+});
 
 /** Messages, pictures that arrive, and what a screen reader hears. */
 function attachMessages(viewer: Viewer, toasts: Toasts, announce: (text: string) => void): void {
@@ -81,7 +109,8 @@ function start(): void {
     if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
   };
   restore.addEventListener('click', togglePanels);
-  const dock = new Dock(viewer, { statistics, settings, effects }, { help: () => help.toggle(), hide: togglePanels });
+  const hooks = { help: () => help.toggle(), hide: togglePanels, ...sharing(viewer, toasts) };
+  const dock = new Dock(viewer, { statistics, settings, effects }, hooks);
   const banner = new Banner(viewer, announce);
   const partition = new PartitionView(viewer, announce);
   page.append(

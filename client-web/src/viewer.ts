@@ -28,7 +28,7 @@ import { ShownPartition } from './panels/partition/shown_partition.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
-import { DRIVEN_BY_OTHERS, viewOf, Watching, withoutView } from './watching.js';
+import { DRIVEN_BY_OTHERS, viewOf, Watching, withoutView, withView } from './watching.js';
 import { Connection, socketUrl, tokenOf, type ConnectionState } from './wire/socket.js';
 
 const RESIZE_DELAY = 150; // ms
@@ -175,6 +175,12 @@ export class Viewer {
     if (place !== null) this.connection_.send({ type: 'focus', inputId: this.nextInputId(), ...place });
   }
 
+  /** The address at which others watch what is seen here; null while there is none. */
+  shareAddress(): string | null {
+    const { hello } = this.state;
+    return hello === null ? null : withView(location.href, this.watching.view ?? hello.view);
+  }
+
   /** From a view of somebody else to one of one's own. */
   leaveView(): void {
     this.watching.leave();
@@ -221,6 +227,7 @@ export class Viewer {
       this.partition.forget();
       this.effectCosts.disconnected();
       this.stream.motionToPhoton.reset();
+      this.stream.trace.reset();
       this.state.picturesAwaited = 0;
       this.state.pathPlaying = false;
       this.state.scene = null; // until the server says what it shows
@@ -398,6 +405,7 @@ export class Viewer {
     if (this.watching.active) return;
     const inputId = this.nextInputId();
     if (this.connection_.isOpen) this.stream.motionToPhoton.sent(inputId, eventTime);
+    if (this.connection_.isOpen) this.stream.trace.sent(inputId, eventTime, performance.now());
     this.connection_.send({ type: 'camera', inputId, moving, ...camera });
   }
 

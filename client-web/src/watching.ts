@@ -18,6 +18,14 @@ export function withoutView(pageUrl: string): string {
   return url.href;
 }
 
+/** The page address at which a view is watched. It bears no token: who opens it needs one of its own, where the server asks. */
+export function withView(pageUrl: string, view: string): string {
+  const url = new URL(withoutView(pageUrl));
+  url.searchParams.set('view', view);
+  url.hash = '';
+  return url.href;
+}
+
 export class Watching {
   private active_ = false;
 
@@ -27,6 +35,11 @@ export class Watching {
   /** Another viewer drives what is seen, or will when the server has answered: nothing that drives may be sent. */
   get active(): boolean {
     return this.active_;
+  }
+
+  /** The view that was asked for; null: one's own. */
+  get view(): string | null {
+    return this.view_;
   }
 
   /** A connection is open. The view to ask for; null: the page drives its own. */

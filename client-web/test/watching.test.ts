@@ -2,7 +2,12 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { sizeText } from '../src/picture/resolution.js';
 import { parseMessage } from '../src/wire/protocol.js';
-import { viewOf, Watching, withoutView } from '../src/watching.js';
+import { viewOf, Watching, withoutView, withView } from '../src/watching.js';
+
+test('Watching: the link to a view names it and bears no token', () => {
+  assert.equal(withView('http://a/b/?x=1&view=old#token=secret', '01ef'), 'http://a/b/?x=1&view=01ef');
+  assert.equal(viewOf(withView('http://a/', '01ef')), '01ef');
+});
 
 test('Watching: the address says which view; without one the page drives its own', () => {
   assert.equal(viewOf('http://a/b/?view=0123&x=1#token=t'), '0123');

@@ -82,6 +82,15 @@ async function exactChecks(checks, page) {
     await set(page, 'exactAtRest', true);
     await exact(page);
   });
+  await checks.check('the trace holds each step of a frame', async () => {
+    const download = page.waitForEvent('download');
+    await page.getByRole('button', { name: 'Save', exact: false }).first().click();
+    await page.getByText('chrome://tracing').click();
+    const { traceEvents } = JSON.parse(readFileSync(await (await download).path(), 'utf8'));
+    for (const name of ['event to message', 'to the server', 'render', 'develop', 'encode', 'to the page', 'decode', 'to the screen']) {
+      expect(traceEvents.some((event) => event.name === name && event.ph === 'b'), `no ${name}`);
+    }
+  });
   await checks.check('moving ends it, and the next rest is exact again', async () => {
     await drag(page, 10);
     await until('a picture of the motion', 10_000, async () => !(await stateOf(page)).lastFrame.exact);

@@ -25,7 +25,7 @@ class Tab {
   settled = () =>
     until('the last picture', 60_000, async () => {
       const { scene, lastFrame, lastInputId } = await this.state();
-      return scene?.state === 'ready' && lastFrame?.inputId === lastInputId && lastFrame.final;
+      return scene?.state === 'ready' && lastFrame?.inputId === lastInputId && lastFrame.exact;
     });
 
   async drag() {
@@ -46,6 +46,17 @@ class Tab {
   }
 }
 
+/** The link that the page gives, wherever it puts it. */
+async function linkOf({ page, toast, state }) {
+  await page.evaluate(() => {
+    navigator.clipboard.writeText = () => Promise.reject(new Error('not allowed here'));
+  });
+  await page.getByRole('button', { name: 'Save', exact: false }).first().click();
+  await page.getByText('Link to this view').click();
+  await toast((await state()).view);
+  return /http\S+/.exec(await page.locator('.toast', { hasText: 'view=' }).textContent())[0];
+}
+
 async function watchesFrames(checks, address, driver, watcher) {
   await checks.check('a second page watches the first one\u2019s view', async () => {
     await driver.page.goto(address);
@@ -53,7 +64,9 @@ async function watchesFrames(checks, address, driver, watcher) {
     await driver.settled();
     await driver.set('samples', 4);
     await driver.settled();
-    await watcher.page.goto(`${address}?view=${(await driver.state()).view}`);
+    const link = await linkOf(driver);
+    expect(link === `${address}?view=${(await driver.state()).view}`, link);
+    await watcher.page.goto(link);
     await watcher.settled();
     expect((await watcher.state()).watching && !(await driver.state()).watching, 'who watches?');
     await watcher.banner().waitFor({ timeout: 5000 });

@@ -98,7 +98,7 @@ async function measure(server, name) {
     await page.goto(`http://127.0.0.1:${line.port}/`);
     await until('a picture', PATIENCE, () => page.evaluate(() => window.heliograph?.state.lastFrame != null));
     await applySettings(page);
-    await until('rest', PATIENCE, () => page.evaluate(() => window.heliograph.state.lastFrame.final));
+    await until('a second sample', PATIENCE, () => page.evaluate(() => window.heliograph.state.lastFrame.samples > 1));
     await drag(page, 2); // what a line and a view can do is learnt by using them
     await page.mouse.up();
     await pause(1000);

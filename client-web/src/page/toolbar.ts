@@ -141,6 +141,8 @@ class InfoPopover {
 }
 
 export interface DockHooks {
+  share(): void;
+  saveTrace(): void;
   help(): void;
   hide(): void;
 }
@@ -155,15 +157,15 @@ export class Dock {
   constructor(
     private readonly viewer_: Viewer,
     panels: { readonly statistics: Panel; readonly settings: Panel; readonly effects: Panel },
-    hooks: DockHooks,
+    private readonly hooks_: DockHooks,
   ) {
     const help = iconButton('help', 'Help', 'H', 'tool');
     const hide = iconButton('hide', 'Hide', 'F1', 'tool');
     const save = new Menu(this.save_, 'Save the picture', () => this.saveItems());
     this.mode_.addEventListener('click', () => this.toggleMode());
     this.path_.addEventListener('click', () => viewer_.togglePath());
-    help.addEventListener('click', () => hooks.help());
-    hide.addEventListener('click', () => hooks.hide());
+    help.addEventListener('click', () => hooks_.help());
+    hide.addEventListener('click', () => hooks_.hide());
     const separator = (): HTMLElement => el('span', { class: 'separator', 'aria-hidden': 'true' });
     this.element = el(
       'nav',
@@ -202,6 +204,12 @@ export class Dock {
       { label: 'PNG', description: 'The picture as shown, at full resolution', hint: 'F3', choose: save('png') },
       { label: 'EXR', description: 'The film as floats, linear, before exposure and tone curve', choose: save('exr') },
       { label: 'JPEG', description: 'The picture as shown, small', choose: save('jpg') },
+      { label: 'Link to this view', description: 'Who opens it watches what you see', choose: () => this.hooks_.share() },
+      {
+        label: 'Trace',
+        description: 'Where the time of the last 600 frames went, for chrome://tracing or Perfetto',
+        choose: () => this.hooks_.saveTrace(),
+      },
     ];
   }
 

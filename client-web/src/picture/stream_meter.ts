@@ -1,6 +1,7 @@
 // What is measured of the stream of pictures: rates, delays, and the newest frames with their times. Knows no DOM.
 
 import type { Frame } from '../wire/frame.js';
+import { FrameTrace } from './frame_trace.js';
 import { MotionToPhoton, RateMeter, Window } from './latency.js';
 
 const PAUSE = 1000; // ms
@@ -13,11 +14,17 @@ export class StreamMeter {
   readonly roundTrips = new Window(5); // ms
   readonly presentedRate = new RateMeter(1000);
   readonly receivedRate = new RateMeter(2000); // bytes
+  readonly trace = new FrameTrace();
   readonly recentFrames: Frame[] = []; // newest last, at most STAGES_KEPT
   lastPresentedAt = -Infinity; // ms, the clock of `presented`
 
-  /** A frame is on the screen since `time`; answers its motion to photon, or null where it shows no new input. */
-  presented(frame: Frame, decodeMs: number, time: number): number | null {
+  /**
+   * A frame that came at `arrived` is on the screen since `time`; answers its motion to photon, or null where it shows no new
+   * input.
+   */
+  presented(frame: Frame, decodeMs: number, time: number, arrived: number): number | null {
+    const oneWay = (this.roundTrips.quantile(0) ?? 0) / 2;
+    this.trace.presented(frame, { oneWay, arrived, decoded: Math.min(arrived + decodeMs, time), presented: time });
     this.decodeMs.push(decodeMs);
     this.recentFrames.push(frame);
     if (this.recentFrames.length > STAGES_KEPT) this.recentFrames.shift();

@@ -91,9 +91,9 @@ test('lengthPerPixel: the picture\u2019s height spans the field of view', () => 
   assert.ok(Math.abs(lengthPerPixel(camera, 10, 100) - 0.2) < 1e-12);
 });
 
-test('withFieldOfView: stays within 1 and 179 degrees', () => {
+test('withFieldOfView: stays within 0.01 and 179 degrees', () => {
   assert.equal(withFieldOfView(DEFAULT_CAMERA, 500).fieldOfView, 179);
-  assert.equal(withFieldOfView(DEFAULT_CAMERA, -5).fieldOfView, 1);
+  assert.equal(withFieldOfView(DEFAULT_CAMERA, -5).fieldOfView, 0.01);
 });
 
 test('pivotDistance: level with the middle of the scene, never behind the camera', () => {
