@@ -119,6 +119,7 @@ double coefficients(const Environment& e, vec3 n) {
                             a[6] * (3.0f * n.z * n.z - 1.0f) + a[7] * (n.x * n.z) + a[8] * (n.x * n.x - n.y * n.y)));
 }
 
+/// Appends a level. Rows at the poles hold their mean: bilinear filtering does not reach over a pole to the other side.
 template <typename Value>
 void appendMap(Scene& scene, uint32_t width, uint32_t height, const Value& value) {
     ImageLevel level{};
@@ -130,7 +131,14 @@ void appendMap(Scene& scene, uint32_t width, uint32_t height, const Value& value
     uint32_t* out = &scene.texels[level.firstTexel];
     const RadianceMap shape{width, height, {}};
     tbb::parallel_for(uint32_t(0), height, [&](uint32_t y) {
-        for (uint32_t x = 0; x < width; x++) out[size_t(y) * width + x] = packRgb9e5(value(shape.direction(x, y)));
+        std::vector<vec3> row(width);
+        for (uint32_t x = 0; x < width; x++) row[x] = value(shape.direction(x, y));
+        if (y == 0 || y + 1 == height) {
+            dvec3 sum(0.0);
+            for (const vec3& texel : row) sum += dvec3(texel);
+            row.assign(width, vec3(sum / double(width)));
+        }
+        std::ranges::transform(row, out + size_t(y) * width, packRgb9e5);
     });
 }
 
@@ -251,7 +259,7 @@ uint32_t appendFiltered(Scene& scene, const RadianceMap& map) {
         appendMap(scene, 2 * height, height, [&](vec3 d) { return filteredAt(pyramid, lobe, d); });
     }
     const RadianceMap coarse = halvedTo(map, 128 * 64);
-    appendMap(scene, 64, 32, [&](vec3 n) { return irradianceTowards(coarse, n); });
+    appendMap(scene, 128, 64, [&](vec3 n) { return irradianceTowards(coarse, n); });
     scene.images.push_back(entry);
     return static_cast<uint32_t>(scene.images.size() - 1);
 }
