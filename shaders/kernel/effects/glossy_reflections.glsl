@@ -5,7 +5,7 @@
 UINT_CONSTANT(GLOSSY_SALT, 0x676c6f73u)
 
 // Whether reflection rays leave by facets. Paths always do.
-#define FOLLOWS_FACETS (HAS(EFFECT_GLOSSY_REFLECTIONS) || HAS(EFFECT_PATH))
+#define FOLLOWS_FACETS HAS(EFFECT_GLOSSY_REFLECTIONS | EFFECT_PATH)  // either
 
 // A facet's normal, seen from wo (both local, about +z); a = roughness squared, u and v in [0, 1).
 vec3 visibleNormalGgx(vec3 wo, float a, float u, float v) {
@@ -30,7 +30,7 @@ vec3 visibleNormalGgx(vec3 wo, float a, float u, float v) {
 // The normal about which the surface reflects and bends a path that comes from wo: a facet's where it is rough, else its own.
 vec3 reflectingNormal(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, IN(Shading) m, vec3 wo) {
     vec3 normal = m.normal;
-    if (FOLLOWS_FACETS || HAS(EFFECT_ROUGH_GLASS)) {
+    if (HAS(EFFECT_GLOSSY_REFLECTIONS | EFFECT_PATH | EFFECT_ROUGH_GLASS)) {
         bool rough = (m.flags & MATERIAL_PHONG) == 0u && m.roughness > 0.0f;
         if (!HAS(EFFECT_ROUGH_GLASS)) rough = rough && m.transmission == 0.0f;
         if (!FOLLOWS_FACETS) rough = rough && m.transmission > 0.0f;
