@@ -66,6 +66,7 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     log().info("memory for pictures: {} MiB ({:.1f} million pixels, {:.2f} million guaranteed to each of {} viewers)",
                service.pictureBytes >> 20, 1e-6 * static_cast<double>(budget.pixels),
                1e-6 * static_cast<double>(guaranteedPixels(budget)), budget.places);
+    service.keepViews = std::chrono::seconds(options.keepViewSeconds);
     service.watchdog = std::chrono::seconds(options.watchdogSeconds);
     return service;
 }

@@ -89,6 +89,9 @@ int SocketLoop::viewer(lws* wsi, lws_callback_reasons reason, std::string_view i
     switch (reason) {
         case LWS_CALLBACK_SERVER_WRITEABLE: return write(wsi, viewer);
         case LWS_CALLBACK_RECEIVE: return receive(wsi, viewer, in);
+        case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE:
+            if (connection->peer) connection->peer->leaves();
+            return 0;
         case LWS_CALLBACK_CLOSED: leave(wsi); return 0;
         default: return 0;
     }

@@ -39,6 +39,8 @@ public:
     virtual ~ViewerPeer() = default;
     /// A text message came.
     virtual void receive(std::string_view text) = 0;
+    /// The viewer closes: it leaves on purpose, its line is not broken.
+    virtual void leaves() {}
     /// A frame or picture left for the viewer: seconds since it was encoded, and processor seconds spent handing it to the system.
     virtual void written(FrameKind kind, double waitSeconds, double writeSeconds) = 0;
 };

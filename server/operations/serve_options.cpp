@@ -66,6 +66,9 @@ const OptionRow ROWS[] = {
     {"film-memory", &O::filmMemoryMib, "MIB",
      "Memory for the pictures of all viewers, at most half of what the machine or the control group\nhas; 0 takes that half",
      false, 0, 1u << 24},
+    {"keep-views", &O::keepViewSeconds, "SECONDS",
+     "How long the view of a viewer whose line broke is kept for when it comes back, 8 views at most; 0 keeps none", false, 0,
+     3600},
     {"watchdog", &O::watchdogSeconds, "SECONDS",
      "A part of the server that has not moved for so long is named in the log and by /readyz, and the\nservice manager is not "
      "told any more that all is well",

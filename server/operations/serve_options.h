@@ -33,6 +33,7 @@ struct ServeOptions {
     uint64_t mostSamples = 65536, mostRays = 256, mostBounces = 31;  // that viewers may set
     uint64_t filmMemoryMib = 0;                                      // 0: half of what the machine has
     uint64_t watchdogSeconds = 20;
+    uint64_t keepViewSeconds = KEPT_VIEW.count();
     std::string logLevel = "info";
     bool logJson = false;
 };

@@ -45,6 +45,7 @@ Service::~Service() {
     cache_.stop();
     for (const auto& session : sessions()) session->end();
     socket_.stop();
+    endKeptViews();
     for (std::jthread* thread : {&attendant_, &reaper_}) {
         thread->request_stop();
         thread->join();
@@ -136,11 +137,22 @@ std::optional<SocketHandler::NoRoom> Service::tooCrowded() const {
                   *later};
 }
 
+/// Views that are kept for nobody yet are ended before somebody who is here goes without.
 std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {
-    return cache_.open(name, std::move(listener));
+    try {
+        return cache_.open(name, listener);
+    } catch (const InputError&) {
+        if (!endKeptViews()) throw;
+        return cache_.open(name, std::move(listener));
+    }
 }
 
 uint64_t Service::grantPixels(uint32_t view, uint64_t wanted) {
+    const uint64_t granted = grant(view, wanted);
+    return granted < wanted && endKeptViews() ? grant(view, wanted) : granted;
+}
+
+uint64_t Service::grant(uint32_t view, uint64_t wanted) {
     std::lock_guard lock(mutex_);
     std::vector<uint64_t> others;
     for (const auto& [other, count] : pixels_) {
@@ -158,6 +170,35 @@ void Service::viewEnded(std::shared_ptr<View> view) {
         ended_.push_back(std::move(view));
     }
     someEnded_.notify_all();
+}
+
+void Service::viewLeft(std::shared_ptr<View> view) {
+    KeptViews::Views tooMany;
+    {
+        std::lock_guard lock(mutex_);
+        tooMany = keptViews_.keep(std::move(view), std::chrono::steady_clock::now() + options_.keepViews, KEPT_VIEWS);
+    }
+    endViews(std::move(tooMany));
+}
+
+/// Those that nobody has come back to. False where there was none.
+bool Service::endViews(KeptViews::Views views) {
+    bool ended = false;
+    for (std::shared_ptr<View>& view : views) {
+        if (!view->end()) continue;
+        viewEnded(std::move(view));
+        ended = true;
+    }
+    return ended;
+}
+
+bool Service::endKeptViews() {
+    KeptViews::Views views;
+    {
+        std::lock_guard lock(mutex_);
+        views = keptViews_.all();
+    }
+    return endViews(std::move(views));
 }
 
 std::vector<std::string> Service::stuckViews() const {
@@ -198,7 +239,8 @@ std::shared_ptr<ViewerPeer> Service::opened(std::shared_ptr<ViewerSocket> socket
 
 void Service::closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) {
     auto session = std::static_pointer_cast<Session>(std::move(peer));
-    session->end();
+    // The page of a viewer whose tab slept comes again, too.
+    session->end(options_.keepViews > 0ms && !ending_ && (!code || *code == CloseCode::stalled));
     const std::string reason = closeReason(code);
     metrics_.closes.add(reason);
     logWith(lineLevel(), "viewer " + std::to_string(session->viewer()) + ": gone (" + reason + ")",
@@ -249,12 +291,15 @@ void Service::attend(std::stop_token stop) {
     std::condition_variable_any never;
     while (!stop.stop_requested()) {
         std::vector<std::shared_ptr<Session>> sessions;
+        KeptViews::Views over;
         {
             std::unique_lock lock(mutex_);
             never.wait_for(lock, stop, TICK, [] { return false; });
             sessions = sessions_;
+            over = keptViews_.over(std::chrono::steady_clock::now());
         }
         attendantPart_.beat();
+        endViews(std::move(over));
         socket_.wake();
         auto now = std::chrono::steady_clock::now();
         for (const auto& session : sessions) {

@@ -1,6 +1,7 @@
 #pragma once
 // The server put together: scenes, viewers and the port.
 
+#include "server/service/kept_views.h"
 #include "server/service/scene_cache.h"
 #include "server/base/log.h"
 #include "server/net/guard/rate_limit.h"
@@ -23,6 +24,7 @@ struct ServiceOptions {
     SettingCaps caps;                    // of every viewer
     double leastRate = 0.0;              // frames a second; a newcomer who would see fewer is refused (admission.h)
     std::chrono::seconds watchdog{20};   // a part that has not moved for so long is stuck
+    std::chrono::milliseconds keepViews = KEPT_VIEW;  // of who has gone with a broken line, until it comes back
 };
 
 /// What can be changed while it runs.
@@ -64,6 +66,7 @@ private:
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
     uint64_t grantPixels(uint32_t view, uint64_t wanted) override;
     void viewEnded(std::shared_ptr<View> view) override;
+    void viewLeft(std::shared_ptr<View> view) override;
     size_t viewerCount() const override;
     Views& views() override { return views_; }
     Turns& turns() override { return scheduler_.turns(); }
@@ -84,6 +87,9 @@ private:
     std::optional<NoRoom> tooCrowded() const;
     nlohmann::ordered_json viewersJson() const;
     bool disconnect(uint32_t viewer);
+    uint64_t grant(uint32_t view, uint64_t wanted);
+    bool endViews(KeptViews::Views views);
+    bool endKeptViews();
     void openForAdmin(const std::string& name);
     LogLevel lineLevel();
     void attend(std::stop_token stop);
@@ -104,6 +110,7 @@ private:
     std::vector<std::shared_ptr<void>>
         ended_;                            // sessions and views to be destroyed by the reaper, which waits for their threads
     std::map<uint32_t, uint64_t> pixels_;  // granted, by view
+    KeptViews keptViews_;
     ServiceReload current_{options_.socket, options_.defaults, options_.watchdog};
     struct Entry {
         std::shared_ptr<ViewerSocket> socket;

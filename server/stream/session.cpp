@@ -54,13 +54,15 @@ bool Session::enter(const std::shared_ptr<View>& view, std::optional<uint32_t> i
     return true;
 }
 
-void Session::leave() {
+void Session::leave(bool keep) {
     std::shared_ptr<View> looked;
     {
         std::lock_guard lock(mutex_);
         std::swap(looked, view_);
     }
-    if (looked && looked->leave(viewer_)) host_.viewEnded(std::move(looked));
+    if (!looked || !looked->leave(viewer_)) return;
+    if (keep) host_.viewLeft(std::move(looked));
+    else if (looked->end()) host_.viewEnded(std::move(looked));
 }
 
 std::shared_ptr<View> Session::view() const {
@@ -207,12 +209,12 @@ bool Session::settled() const {
     return !looked || looked->answered(viewer_);
 }
 
-void Session::end() {
+void Session::end(bool broken) {
     {
         std::lock_guard lock(mutex_);
         ended_ = true;
     }
-    leave();
+    leave(broken && comesBack_);
 }
 
 }  // namespace heliograph

@@ -41,8 +41,10 @@ public:
     /// Nothing is on its way to the viewer any more that it waits for: its last input was answered by a frame, which it has
     /// acknowledged.
     bool settled() const;
-    /// The viewer has gone: it leaves its view, without waiting.
-    void end();
+    void leaves() override { comesBack_ = false; }
+    /// The viewer has gone: it leaves its view, without waiting. `broken`: not by our will; unless by its own, the view is kept
+    /// for when it comes back.
+    void end(bool broken = false);
 
     uint32_t viewer() const { return viewer_.number(); }
 
@@ -63,7 +65,7 @@ private:
     std::shared_ptr<View> view() const;
     bool draining() const;
     void welcome();
-    void leave();
+    void leave(bool keep = false);
     bool enter(const std::shared_ptr<View>& view, std::optional<uint32_t> inputId);
     void refuse(const InputError& error, const std::string& about, std::optional<uint32_t> inputId);
 
@@ -71,7 +73,8 @@ private:
     Metrics& metrics_;
     const Options options_;
     const Clock::time_point opened_ = Clock::now();
-    uint32_t newestInput_ = 0;  // of the messages that were taken; the socket's thread alone
+    std::atomic<bool> comesBack_{true};  // it has not said goodbye
+    uint32_t newestInput_ = 0;           // of the messages that were taken; the socket's thread alone
 
     mutable std::mutex
         mutex_;  // of what stands before viewer_; held while calling viewer_, never while calling a view or host_

@@ -36,6 +36,8 @@ public:
     virtual uint64_t grantPixels(uint32_t view, uint64_t wanted) = 0;
     /// Nobody looks at it any more: its pixels are free again, and it is destroyed where nobody waits for its threads.
     virtual void viewEnded(std::shared_ptr<View> view) = 0;
+    /// Who looked at it last has gone and may come back: that happens after some time, unless somebody looks at it then.
+    virtual void viewLeft(std::shared_ptr<View> view) = 0;
     virtual size_t viewerCount() const = 0;
     virtual Views& views() = 0;
     virtual Turns& turns() = 0;

@@ -21,11 +21,11 @@ View::View(SessionHost& host, uint32_t number, std::string id, const Settings& d
 
 View::~View() {
     std::lock_guard lock(mutex_);
-    end();
+    stop();
 }
 
 /// Ends all work without waiting.
-void View::end() {
+void View::stop() {
     ended_ = true;
     sceneOrder_++;
     newest_.reset();
@@ -49,10 +49,10 @@ void View::join(Viewer& viewer, std::optional<uint32_t> inputId) {
     tellScene(viewer);
     if (playing_) viewer.say(pathMessage(true, std::nullopt));
     if (!first) loop_.offerAgain();
+    else if (inputId) show();  // somebody comes back
 }
 
 bool View::leave(Viewer& viewer) {
-    std::shared_ptr<void> ticket;  // goes after the lock
     std::lock_guard lock(mutex_);
     if (!seatOf(viewer.number())) return false;
     const bool drove = seats_.front().viewer == &viewer;
@@ -61,12 +61,29 @@ bool View::leave(Viewer& viewer) {
     if (viewer.dropPicture())
         viewer.say(errorMessage("picture: the view was left before it was finished", "picture", std::nullopt));
     if (seats_.empty()) {
-        end();
-        std::swap(ticket, sceneTicket_);
+        rest();
         return true;
     }
     if (drove) promote(seats_.front());
     return false;
+}
+
+/// As long as nobody looks.
+void View::rest() {
+    newest_.reset();
+    meter_.drop();
+    costsAwaited_ = false;
+    request_.moving = false;
+    if (playing_) loop_.playPath(false);
+}
+
+bool View::end() {
+    std::shared_ptr<void> ticket;  // goes after the lock
+    std::lock_guard lock(mutex_);
+    if (!seats_.empty() || ended_) return false;
+    stop();
+    std::swap(ticket, sceneTicket_);
+    return true;
 }
 
 /// From now on it drives.

@@ -31,8 +31,10 @@ public:
     /// The viewer looks from now on, and is told what there is to see; the first one drives. `inputId`: of its message that asked
     /// for it, which every frame that it is given answers; without one it has just connected.
     void join(Viewer& viewer, std::optional<uint32_t> inputId);
-    /// The viewer is given nothing more. True for the last one: the view has ended.
+    /// The viewer is given nothing more. True for the last one: nothing is rendered until somebody comes.
     bool leave(Viewer& viewer);
+    /// Nobody may come any more. False where somebody looks at it.
+    bool end();
     /// It asks to look at the view that it looks at already.
     void stay(const Viewer& viewer, uint32_t inputId);
     bool drives(const Viewer& viewer) const;
@@ -92,7 +94,8 @@ private:
     void changeQuality(Seat& seat, const SettingsMessage& message);
     void checkVisible(const char* message) const;
     void show();
-    void end();
+    void stop();
+    void rest();
     void effectCosts(EffectMeter::News&& news);
     void dropEffectCosts(const std::string& why);
 

@@ -23,7 +23,7 @@
     LIMIT(uint32_t, MAX_SIDE, 8192, "pixels", "largest width and height of a picture; more: `error`")                        \
     LIMIT(uint64_t, MAX_PIXELS, 33177600, "pixels", "of a picture (7680 x 4320); more: `error`")                             \
     LIMIT(size_t, MAX_VIEWERS, 32, "viewers", "unless `--max-viewers` says otherwise; another one: HTTP 503")                \
-    LIMIT(uint32_t, MAX_UNACKED, 16, "frames", "on their way to a viewer at most; fewer where the line holds fewer")          \
+    LIMIT(uint32_t, MAX_UNACKED, 16, "frames", "on their way to a viewer at most; fewer where the line holds fewer")         \
     LIMIT(size_t, PICTURES_WAITING, 2, "pictures", "that wait for a viewer who reads slowly; more: close 4008")              \
     LIMIT(size_t, TEXT_WAITING, 4194304, "bytes", "of text that wait for a viewer who reads slowly; more: close 4008")       \
     LIMIT(size_t, MAX_GUESTS, 32, "viewers", "that have not said the token yet; another one: the oldest goes, close 1013")   \
@@ -34,6 +34,8 @@
     LIMIT(std::chrono::seconds, LONGEST_LOCKOUT, 300, "seconds", "that an address is locked out for a wrong token")          \
     LIMIT(std::chrono::seconds, GUESS_MEMORY, 600, "seconds", "without a wrong token; longer: they are forgotten")           \
     LIMIT(std::chrono::seconds, TOKEN_WAIT, 5, "seconds", "for the token; longer: close 4001")                               \
+    LIMIT(std::chrono::seconds, KEPT_VIEW, 60, "seconds", "that the view of who lost its line is kept; longer: it ends")     \
+    LIMIT(size_t, KEPT_VIEWS, 8, "views", "that are kept so; another one, or no room for somebody: the oldest end")          \
     LIMIT(std::chrono::seconds, STALL_PAUSE, 2, "seconds", "without an acknowledgement; longer: nothing is rendered ahead")  \
     LIMIT(std::chrono::seconds, STALL_CLOSE, 10, "seconds", "without an acknowledgement; longer: close 4008")                \
     LIMIT(std::chrono::seconds, WRITE_WINDOW, 10, "seconds", "in which who is sent something takes 4,096 bytes; less: 4008") \

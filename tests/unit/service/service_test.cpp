@@ -246,6 +246,7 @@ TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
     ServiceOptions o = options();
     o.socket.maxViewers = 4;
     o.pictureBytes = VIEWER_BYTES_A_PIXEL * 1000 * 600 * 4 / 3;
+    o.keepViews = std::chrono::milliseconds(200);  // their lines break
     Running s(o);
     Viewer last(s.service.port());
     last.size(64, 48, 1);
@@ -442,6 +443,94 @@ TEST(Service, TwoSocketsLookAtOneView) {
     EXPECT_EQ(b.untilText("watching", "drives", true)["view"], view);
     b.look(50);
     b.untilInput(50);
+}
+
+/// Sees a picture of its own view, and its line breaks. Returns the view and the frame it saw last.
+std::pair<std::string, FrameHeader> lostViewer(int port, uint32_t width = 64, uint32_t height = 48) {
+    Viewer viewer(port);
+    const std::string view = viewer.untilText("hello")["view"];
+    viewer.size(width, height, 1);
+    viewer.look(7);
+    return {view, viewer.untilInput(7)};
+}
+
+bool filmPixels(int port, uint64_t pixels) {
+    const std::string line = "heliograph_film_pixels " + std::to_string(pixels) + "\n";
+    return until([&] { return WebClient(port).get("/metrics").body.find(line) != std::string::npos; });
+}
+
+/// What the server answers to `watch`: a message of that type.
+json watch(Viewer& viewer, const std::string& view, const char* answer) {
+    viewer.untilText("hello");
+    viewer.say({{"type", "watch"}, {"view", view}, {"inputId", 40}});
+    return viewer.untilText(answer, "inputId", 40);
+}
+
+TEST(Service, WhoLostItsLineFindsItsViewAgain) {
+    Running s;
+    const int port = s.service.port();
+    const auto [view, seen] = lostViewer(port);
+    ASSERT_TRUE(until([&] { return s.viewers(0); }));
+    EXPECT_TRUE(filmPixels(port, 64 * 48)) << "it is kept";
+    Viewer back(port);
+    const json told = watch(back, view, "watching");
+    EXPECT_EQ(told["drives"], true);
+    EXPECT_EQ(told["camera"]["position"][0], 7);
+    const FrameHeader frame = back.untilInput(40);
+    EXPECT_EQ(frame.generation, seen.generation) << "the same film, with the samples that there were";
+    EXPECT_EQ(frame.fullSize, uvec2(64, 48));
+    back.look(41);
+    back.untilInput(41);
+}
+
+TEST(Service, WhoSaysGoodbyeLeavesNothing) {
+    Running s;
+    const int port = s.service.port();
+    Viewer viewer(port), other(port);
+    const std::string view = viewer.untilText("hello")["view"];
+    viewer.size(64, 48, 1);
+    viewer.untilInput(1);
+    viewer.client.sendFrame(8, "\x03\xe8");
+    EXPECT_TRUE(filmPixels(port, 0));
+    EXPECT_THAT(watch(other, view, "error")["message"].get<std::string>(), HasSubstr("no such view"));
+}
+
+TEST(Service, AViewIsKeptForAWhileOnly) {
+    ServiceOptions quick = options();
+    quick.keepViews = std::chrono::milliseconds(1);
+    Running s(std::move(quick));
+    const std::string view = lostViewer(s.service.port()).first;
+    EXPECT_TRUE(filmPixels(s.service.port(), 0));
+    Viewer late(s.service.port());
+    EXPECT_THAT(watch(late, view, "error")["message"].get<std::string>(), HasSubstr("no such view"));
+}
+
+TEST(Service, FewViewsAreKeptTheNewest) {
+    Running s;
+    const int port = s.service.port();
+    std::vector<std::string> views;
+    for (size_t i = 0; i <= KEPT_VIEWS; i++) {
+        views.push_back(lostViewer(port).first);
+        ASSERT_TRUE(until([&] { return s.viewers(0); }));
+    }
+    EXPECT_TRUE(filmPixels(port, KEPT_VIEWS * 64 * 48));
+    Viewer first(port), last(port);
+    watch(first, views.front(), "error");
+    EXPECT_EQ(watch(last, views.back(), "watching")["drives"], true);
+}
+
+TEST(Service, WhoIsHereGoesBeforeWhoMayComeBack) {
+    ServiceOptions small = options();
+    small.socket.maxViewers = 2;
+    small.pictureBytes = 276 * 400'000;
+    Running s(std::move(small));
+    const int port = s.service.port();
+    const std::string view = lostViewer(port, 512, 512).first;
+    ASSERT_TRUE(filmPixels(port, 512 * 512));
+    Viewer here(port);
+    here.size(512, 512, 1);
+    EXPECT_EQ(here.untilInput(1).fullSize, uvec2(512, 512));
+    EXPECT_TRUE(filmPixels(port, 512 * 512)) << "the other one's are free";
 }
 
 TEST(Service, DrainAnswersTheLastInput) {

@@ -91,6 +91,7 @@ public:
         views_.remove(*view);
         endedViews.push_back(std::move(view));
     }
+    void viewLeft(std::shared_ptr<View> view) override { leftViews.push_back(std::move(view)); }
     Views& views() override { return views_; }
     size_t viewerCount() const override {
         if (poor) throw std::bad_alloc();
@@ -109,6 +110,7 @@ public:
     Turns turns_;
     Metrics metrics_;
     std::vector<std::shared_ptr<View>> endedViews;  // go first
+    std::vector<std::shared_ptr<View>> leftViews;
 };
 
 /// Keeps what is sent. Frames are acknowledged by the test.
