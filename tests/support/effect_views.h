@@ -17,7 +17,9 @@ inline std::vector<EffectView> effectViews() {
             {"effects/fog", {"fog=true"}},
             {"effects/glossy", {"glossyReflections=true"}},
             {"effects/motion-blur", {"motionBlur=true"}},
-            {"effects/indirect-light", {"indirectLight=true"}}};
+            {"effects/indirect-light", {"indirectLight=true"}},
+            {"effects/image-light", {"glossyReflections=true"}},
+            {"effects/image-light", {"integrator=path"}}};
 }
 
 }  // namespace heliograph::test
