@@ -39,8 +39,12 @@ UNIFORM_UINT shinesFromEye(UNIFORM_UINT index) {
 
 // Share of a spot light that goes the way against `direction` (unit, towards the light).
 float spotEdge(Light light, vec3 direction) {
-    float cosine = -dot(direction, light.direction);
-    float edge = saturate((cosine - light.cosOuter) / max(light.cosInner - light.cosOuter, 1.0e-4f));
+    // 1 - cosine from the difference of the directions: near 1 a cosine has no digits left for the angle.
+    vec3 between = direction + light.direction;
+    float versine = 0.5f * dot(between, between);
+    float outer = 1.0f - light.cosOuter;
+    float fade = light.cosInner - light.cosOuter;
+    float edge = saturate((outer - versine) / max(fade, outer * 1.0e-3f + 1.0e-30f));
     return edge * edge;
 }
 

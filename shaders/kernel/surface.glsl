@@ -6,7 +6,7 @@ struct Surface {
     vec3 geometricNormal;  // unit, towards the ray's origin
     uint material;
     vec3 normal;           // unit, interpolated, towards the ray's origin
-    float footprint;       // squared size of the ray's cone on the surface, in uv units
+    vec2 footprint;        // squared size of the ray's cone on the surface, in units of uv0 and of uv1
     vec3 shadowPosition;   // position moved off the facet towards the smooth surface (Hanika)
     float side;            // 1 = the ray came from outside, -1 = from inside
     vec2 uv0;
@@ -45,9 +45,12 @@ vec3 transformNormal(uint instance, vec3 n) {
                 r0.z * n.x + r1.z * n.y + r2.z * n.z);
 }
 
-vec4 unpackColor(uint word) {
-    return vec4(float(int(word & 255u)), float(int((word >> 8) & 255u)), float(int((word >> 16) & 255u)),
-                float(int(word >> 24))) * 0.003921568859368563f;
+// Colour of a vertex. `rest`: what eight bits leave of red, green and blue, in 256ths, as one whole number.
+vec4 unpackColor(uint word, float rest) {
+    uint fine = uint(rest);
+    return vec4(float(int(word & 255u)) + float(int(fine & 255u)) * 0.00390625f,
+                float(int((word >> 8) & 255u)) + float(int((fine >> 8) & 255u)) * 0.00390625f,
+                float(int((word >> 16) & 255u)) + float(int(fine >> 16)) * 0.00390625f, float(int(word >> 24))) * 0.003921568859368563f;
 }
 
 vec3 pointOf(vec4 p) { return vec3(p.x, p.y, p.z); }
@@ -58,12 +61,15 @@ vec3 tangentPlanePull(vec3 p, vec3 vertex, vec3 normal) { return normal * min(do
 
 // uv area of the footprint of a cone of width `coneWidth` that meets the triangle under `cosine`. Akenine-Moeller et al.,
 // "Improved Shader and Texture Level of Detail Using Ray Cones", JCGT 10(1) 2021; the ellipse counts by its area.
-float uvFootprint(vec2 uvEdge1, vec2 uvEdge2, float area, float coneWidth, float cosine) {
-    float uvArea = abs(uvEdge1.x * uvEdge2.y - uvEdge1.y * uvEdge2.x);
+float uvFootprint(float uvArea, float area, float coneWidth, float cosine) {
     return coneWidth * coneWidth * uvArea / max(area * max(cosine, 0.05f), 1.0e-30f);
 }
 
-// `us`: first coordinates of the three vertices, which come with their normals.
+// Area of the parallelogram that two edges span.
+float areaBetween(vec2 edge1, vec2 edge2) { return abs(edge1.x * edge2.y - edge1.y * edge2.x); }
+
+// `us`: first coordinates of the three vertices, which come with their normals. Leaves in `footprint` twice the triangle's area
+// in either set of coordinates.
 void addTextureCoordinates(INOUT(Surface) s, vec3 us, uint ia, uint ib, uint ic, float w, float u, float v) {
     float ua = us.x;
     float ub = us.y;
@@ -75,9 +81,23 @@ void addTextureCoordinates(INOUT(Surface) s, vec3 us, uint ia, uint ib, uint ic,
     s.uvEdge1 = vec2(ub - ua, vb - va);
     s.uvEdge2 = vec2(uc - ua, vc - va);
     s.uv1 = s.uv0;
-    if (HAS(EFFECT_SECOND_UV))
-        s.uv1 = vec2(ATTRIBUTE(ia, u1) * w + ATTRIBUTE(ib, u1) * u + ATTRIBUTE(ic, u1) * v,
-                     ATTRIBUTE(ia, v1) * w + ATTRIBUTE(ib, v1) * u + ATTRIBUTE(ic, v1) * v);
+    float firstArea = areaBetween(s.uvEdge1, s.uvEdge2);
+    s.footprint = vec2(firstArea, firstArea);
+    if (HAS(EFFECT_SECOND_UV)) {
+        vec2 a = vec2(ATTRIBUTE(ia, u1), ATTRIBUTE(ia, v1));
+        vec2 b = vec2(ATTRIBUTE(ib, u1), ATTRIBUTE(ib, v1));
+        vec2 c = vec2(ATTRIBUTE(ic, u1), ATTRIBUTE(ic, v1));
+        s.uv1 = vec2(a.x * w + b.x * u + c.x * v, a.y * w + b.y * u + c.y * v);
+        s.footprint = vec2(firstArea, areaBetween(vec2(b.x - a.x, b.y - a.y), vec2(c.x - a.x, c.y - a.y)));
+    }
+}
+
+// Makes the areas that addTextureCoordinates left the footprints of a cone of width `cone`.
+void setFootprint(INOUT(Surface) s, float doubleArea, float cone, float cosine) {
+    vec2 areas = s.footprint;
+    float first = uvFootprint(areas.x, doubleArea, cone, cosine);
+    s.footprint = vec2(first, first);
+    if (HAS(EFFECT_SECOND_UV)) s.footprint = vec2(first, uvFootprint(areas.y, doubleArea, cone, cosine));
 }
 
 void addTangent(INOUT(Surface) s, uint instance, uvec4 corners, float w, float u, float v, float winding) {
@@ -136,15 +156,14 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
     vec3 pull = tangentPlanePull(s.position, a, na * s.side) * w + tangentPlanePull(s.position, b, nb * s.side) * bary.u
                 + tangentPlanePull(s.position, c, nc * s.side) * bary.v;
     s.shadowPosition = s.position - pull;
-    s.footprint = 0.0f;
+    s.footprint = vec2(0.0f, 0.0f);
     if (HAS(EFFECT_TEXTURES)) {
         addTextureCoordinates(s, vec3(nua.w, nub.w, nuc.w), ia, ib, ic, w, bary.u, bary.v);
-        s.footprint = uvFootprint(s.uvEdge1, s.uvEdge2, doubleArea, coneWidth + coneSpread * max(s.distance, 0.0f),
-                                  -dot(s.geometricNormal, direction));
+        setFootprint(s, doubleArea, coneWidth + coneSpread * max(s.distance, 0.0f), -dot(s.geometricNormal, direction));
     }
     if (HAS(EFFECT_VERTEX_COLORS))
-        s.color = unpackColor(ATTRIBUTE(ia, color)) * w + unpackColor(ATTRIBUTE(ib, color)) * bary.u
-                  + unpackColor(ATTRIBUTE(ic, color)) * bary.v;
+        s.color = unpackColor(ATTRIBUTE(ia, color), POSITION(ia).w) * w + unpackColor(ATTRIBUTE(ib, color), POSITION(ib).w) * bary.u
+                  + unpackColor(ATTRIBUTE(ic, color), POSITION(ic).w) * bary.v;
     s.tangentSign = 0.0f;
     if (HAS(EFFECT_TANGENTS)) addTangent(s, hit.instance, corners, w, bary.u, bary.v, winding);
     return s;

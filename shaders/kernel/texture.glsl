@@ -94,13 +94,18 @@ vec4 sampleNearest(uint image, float u, float v, uint wrapU, uint wrapV) {
     return decodeTexel(TEXEL(level.x + uint(y * w + x)), IMAGE(image, format));
 }
 
-// Sample of a material's texture; white where `slot` is NO_INDEX. `area`: squared footprint in uv units before the slot's
-// transform.
-vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, float area) {
+// Sample of a material's texture; white where `slot` is NO_INDEX. `areas`: squared footprint in units of uv0 and of uv1
+// before the slot's transform.
+vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, vec2 areas) {
     bool present = slot != NO_INDEX;
     uint index = SELECT(present, slot, uint(0u));
     vec2 uv = uv0;
-    if (HAS(EFFECT_SECOND_UV)) uv = SELECT(TEXTURE(index, uvSet) == 0u, uv0, uv1);
+    float area = areas.x;
+    if (HAS(EFFECT_SECOND_UV)) {
+        bool first = TEXTURE(index, uvSet) == 0u;
+        uv = SELECT(first, uv0, uv1);
+        area = SELECT(first, areas.x, areas.y);
+    }
     vec4 transform = TEXTURE(index, transform);
     vec2 offset = TEXTURE(index, offset);
     float u = transform.x * uv.x + transform.y * uv.y + offset.x;

@@ -83,6 +83,23 @@ TEST(Light, SpotFadesBetweenItsCones) {
     }
 }
 
+TEST(Light, VeryNarrowSpotsKeepTheirLight) {
+    for (const double outer : {0.05, 0.01, 0.003}) {
+        SCOPED_TRACE(outer);
+        Light light = pointLight(vec3(0.0f, 2.0f, 0.0f), vec3(4.0f));
+        light.type = LIGHT_SPOT;
+        const auto versine = [](double angle) { return 2.0 * std::pow(std::sin(angle / 2.0), 2); };
+        light.cosInner = 1.0f;
+        light.cosOuter = float(std::cos(outer));
+        for (double share = 0.0; share < 1.5; share += 0.125) {
+            const double angle = outer * share;
+            const vec3 point(float(2.0 * std::tan(angle)), 0.0f, 0.0f);
+            const double expected = std::max(1.0 - versine(angle) / versine(outer), 0.0);
+            EXPECT_NEAR(sampleOf(light, point).irradiance.x, expected * expected, 0.02) << share;
+        }
+    }
+}
+
 TEST(Light, ASpotWithEqualConesHasASharpEdge) {
     Light light = pointLight(vec3(0.0f), vec3(1.0f));
     light.type = LIGHT_SPOT;

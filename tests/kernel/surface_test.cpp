@@ -193,13 +193,50 @@ TEST(Surface, FootprintIsTheConesShareOfTheTexture) {
     const auto scene = sceneOf(panel(vec3(0.0f), vec3(2, 0, 0), vec3(0, 3, 0)), mat4(1.0f), false);
     EveryKernel kernel = kernelFor(*scene);
     const auto straight = kernel.surfaceAt(vec3(1.0f, 0.5f, 4.0f), vec3(0, 0, -1), 0.002f, 0.002f, Hit{0, 0});
-    EXPECT_NEAR(straight.footprint / (0.01 * 0.01 / 6.0), 1.0, 1e-5);
+    EXPECT_NEAR(straight.footprint.x / (0.01 * 0.01 / 6.0), 1.0, 1e-5);
     const vec3 slanted = glm::normalize(vec3(0.0f, 1.0f, -1.0f));
     const auto s = kernel.surfaceAt(vec3(1.0f, 0.5f, 1.0f) - slanted * 0.0f, slanted, 0.01f, 0.0f, Hit{0, 0});
-    EXPECT_NEAR(s.footprint / (0.01 * 0.01 / 6.0 * std::sqrt(2.0)), 1.0, 1e-5);
+    EXPECT_NEAR(s.footprint.x / (0.01 * 0.01 / 6.0 * std::sqrt(2.0)), 1.0, 1e-5);
     const auto grazing =
         kernel.surfaceAt(vec3(1.0f, 0.5f, 1e-4f), glm::normalize(vec3(0.0f, 1.0f, -1e-4f)), 0.01f, 0.0f, Hit{0, 0});
-    EXPECT_TRUE(std::isfinite(grazing.footprint));
+    EXPECT_TRUE(std::isfinite(grazing.footprint.x));
+}
+
+// 64 steps of a colour stay 64, also where eight linear bits have two.
+TEST(Surface, ColoursOfVerticesKeepSixteenBits) {
+    for (const float most : {0.01f, 0.1f, 1.0f}) {
+        float before = -1.0f;
+        for (int step = 0; step < 64; step++) {
+            const float level = most * float(step) / 63.0f;
+            MeshData mesh = panel(vec3(0.0f), vec3(2, 0, 0), vec3(0, 3, 0));
+            mesh.colors.assign(4, vec4(level, most - level, level, 1.0f));
+            const auto scene = sceneOf(mesh, mat4(1.0f), step % 2 == 0);
+            const auto s = kernelFor(*scene).surfaceAt(vec3(1.5f, 0.75f, 1.0f), vec3(0, 0, -1), 0.0f, 0.0f, Hit{0, 0});
+            EXPECT_NEAR(s.color.x, level, 1e-5f);
+            EXPECT_NEAR(s.color.y, most - level, 1e-5f);
+            EXPECT_NEAR(s.color.z, level, 1e-5f);
+            EXPECT_EQ(s.color.w, 1.0f);
+            EXPECT_GT(s.color.x, before);
+            before = s.color.x;
+        }
+    }
+    // What eight bits hold has no rest.
+    MeshData mesh = panel(vec3(0.0f), vec3(2, 0, 0), vec3(0, 3, 0));
+    for (int i = 0; i < 4; i++) mesh.colors.push_back(vec4(float(10 * i), 255.0f, float(i), 128.0f) / 255.0f);
+    const auto scene = sceneOf(mesh, mat4(1.0f), false);
+    for (const vec4& position : scene->positions) EXPECT_EQ(position.w, 0.0f);
+}
+
+// Either set of coordinates has a footprint of its own.
+TEST(Surface, TheSecondCoordinatesHaveTheirOwnFootprint) {
+    MeshData mesh = panel(vec3(0.0f), vec3(2, 0, 0), vec3(0, 3, 0));
+    mesh.uv1 = mesh.uv0;
+    for (vec2& uv : mesh.uv0) uv *= 200.0f;
+    const auto scene = sceneOf(mesh, mat4(1.0f), false);
+    EveryKernel kernel = kernelFor(*scene);
+    const auto s = kernel.surfaceAt(vec3(1.0f, 0.5f, 4.0f), vec3(0, 0, -1), 0.002f, 0.002f, Hit{0, 0});
+    EXPECT_NEAR(s.footprint.x / (0.01 * 0.01 / 6.0 * 40000.0), 1.0, 1e-4);
+    EXPECT_NEAR(s.footprint.y / (0.01 * 0.01 / 6.0), 1.0, 1e-4);
 }
 
 // ---- the shadow terminator ----

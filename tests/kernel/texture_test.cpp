@@ -48,7 +48,7 @@ struct OneTexture {
         kernel.scene.images = &image;
         kernel.scene.imageLevels = &level;
         kernel.scene.textures = &slot;
-        return kernel.sampleTexture(0, vec2(u, v), vec2(0.0f), area);
+        return kernel.sampleTexture(0, vec2(u, v), vec2(0.0f), vec2(area));
     }
     uint32_t word(int64_t x, int64_t y) const { return texels[level.firstTexel + y * level.width + x]; }
 };
@@ -268,13 +268,13 @@ TEST(Texture, SecondCoordinatesAreTakenWhereTheSlotSaysSo) {
     OneTexture texture(16, 16, IMAGE_LINEAR8, 13);
     const vec4 expected = texture.sample(0.4f, 0.6f);
     texture.slot.uvSet = 1;
-    EXPECT_EQ(texture.kernel.sampleTexture(0, vec2(0.9f, 0.1f), vec2(0.4f, 0.6f), 0.0f), expected);
+    EXPECT_EQ(texture.kernel.sampleTexture(0, vec2(0.9f, 0.1f), vec2(0.4f, 0.6f), vec2(0.0f)), expected);
 }
 
 TEST(Texture, AMaterialWithoutTextureIsWhite) {
     OneTexture texture(2, 2, IMAGE_LINEAR8, 14);
     texture.sample(0.0f, 0.0f);
-    EXPECT_EQ(texture.kernel.sampleTexture(NO_INDEX, vec2(0.3f), vec2(0.3f), 0.0f), vec4(1.0f));
+    EXPECT_EQ(texture.kernel.sampleTexture(NO_INDEX, vec2(0.3f), vec2(0.3f), vec2(0.0f)), vec4(1.0f));
 }
 
 // Every level has one colour of its own, so the colour tells the level.

@@ -41,9 +41,17 @@ bool farFromOrigin(const Bounds& bounds) {
     return glm::length(glm::dvec3(bounds.center())) > FARTHEST_BAKED * extent;
 }
 
-uint32_t colorWord(vec4 color) {
-    const auto byte = [](float x) { return static_cast<uint32_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * 255.0f)); };
-    return byte(color.x) | byte(color.y) << 8 | byte(color.z) << 16 | byte(color.w) << 24;
+/// A colour as VertexAttributes has it and what that leaves: see unpackColor in shaders/kernel/surface.glsl.
+struct PackedColor {
+    uint32_t word = 0xffffffffu;
+    float rest = 0.0f;
+};
+
+PackedColor packed(vec4 color) {
+    const auto shares = [](float x) { return static_cast<uint32_t>(std::lround(std::clamp(x, 0.0f, 1.0f) * (255.0 * 256.0))); };
+    const uint32_t r = shares(color.x), g = shares(color.y), b = shares(color.z);
+    const uint32_t a = static_cast<uint32_t>(std::lround(std::clamp(color.w, 0.0f, 1.0f) * 255.0f));
+    return {r >> 8 | g >> 8 << 8 | b >> 8 << 16 | a << 24, static_cast<float>((r & 255u) | (g & 255u) << 8 | (b & 255u) << 16)};
 }
 
 /// An instance of a shared mesh.
@@ -287,12 +295,14 @@ private:
         const MeshData& mesh = *copy.mesh;
         const Placement& placement = copy.placement;
         const size_t at = copy.firstVertex + i;
-        scene_.positions[at] = vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), 0.0f);
+        const PackedColor color = mesh.colors.empty() ? PackedColor{} : packed(mesh.colors[i]);
+        scene_.positions[at] =
+            vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), color.rest);
         VertexAttributes attributes{};
         attributes.normal = placement.identity ? mesh.normals[i] : vec3(placement.normal(mesh.normals[i]));
         if (!mesh.uv0.empty()) attributes.u0 = mesh.uv0[i].x, attributes.v0 = mesh.uv0[i].y;
         if (!mesh.uv1.empty()) attributes.u1 = mesh.uv1[i].x, attributes.v1 = mesh.uv1[i].y;
-        attributes.color = mesh.colors.empty() ? 0xffffffffu : colorWord(mesh.colors[i]);
+        attributes.color = color.word;
         scene_.attributes[at] = attributes;
         if (!mesh.tangents.empty()) scene_.tangents[at] = turnedTangent(placement, mesh.tangents[i]);
     }

@@ -25,6 +25,7 @@ using glm::dquat;
 using glm::dvec3;
 
 constexpr int DEEPEST_TREE = 4096;
+constexpr double NARROWEST_SPOT = 1e-3;  // radians: the cosine of less has no digits left in 32 bits
 constexpr size_t MOST_INSTANCES = 500'000;
 
 dmat4 composed(dvec3 translation, dquat rotation, dvec3 scale) {
@@ -291,8 +292,13 @@ private:
             light.direction = vec3(0.0f, -1.0f, 0.0f);
         } else if (from.type == "spot") {
             light.type = LIGHT_SPOT;
+            double outer = from.spot.outerConeAngle;
+            if (outer < NARROWEST_SPOT) {
+                builder_.warn("light '" + from.name + "': a cone narrower than 0.001 radians is drawn as wide as that");
+                outer = NARROWEST_SPOT;
+            }
             light.cosInner = static_cast<float>(std::cos(from.spot.innerConeAngle));
-            light.cosOuter = static_cast<float>(std::cos(from.spot.outerConeAngle));
+            light.cosOuter = static_cast<float>(std::cos(outer));
         } else {
             throw InputError(where, "light type '" + from.type.substr(0, 40) + "'", "directional, point or spot");
         }
