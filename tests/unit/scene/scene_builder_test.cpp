@@ -350,8 +350,8 @@ TEST(SceneBuilder, AnImageOrALampNeedsNoHeadlight) {
         const auto scene = builder.finish();
         EXPECT_EQ(scene->lights.empty(), radiance > 1.0f) << radiance;
         EXPECT_EQ(scene->environment.emitterCount, 2u);
-        // Two triangles of together 1 m^2: each square metre has all of the points.
-        EXPECT_NEAR(scene->materials[1].emission.w, 1.0f, 1e-5f);
+        // Two triangles of together 4 m^2: each square metre has a quarter of the points.
+        EXPECT_NEAR(scene->materials[1].emission.w, 0.25f, 1e-5f);
     }
 }
 
