@@ -23,7 +23,7 @@ class Tab {
 
   /** Waits until the last picture of the scene, which shows the newest input, is on the screen. */
   settled = () =>
-    until('the last picture', 60_000, async () => {
+    until('the last picture', 180_000, async () => {
       const { scene, lastFrame, lastInputId } = await this.state();
       return scene?.state === 'ready' && lastFrame?.inputId === lastInputId && lastFrame.exact;
     });
