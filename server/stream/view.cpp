@@ -218,10 +218,10 @@ void View::give(Seat& seat) {
         return viewer.take(*std::exchange(picture_, std::nullopt));
     }
     if (room != Readiness::ready) return;
-    if (!newest_) return viewer.refine();
+    if (!newest_) return void(viewer.refine());
     const Shown shown = shownBy(*newest_);
     const uint32_t inputId = inputShown(newest_->view, viewer.number(), seat.inputId);
-    if (!wants(seat.given, shown, inputId)) return viewer.refine();
+    if (!wants(seat.given, shown, inputId)) return void(viewer.refine());
     FinishedFrame frame = *newest_;
     frame.view.inputId = inputId;
     seat.film = frame.film;

@@ -89,14 +89,14 @@ void Viewer::take(FinishedFrame frame) {
     encoder_.encode(std::move(frame), header, keep);
 }
 
-void Viewer::refine() {
-    if (encoder_.busy()) return;
+bool Viewer::refine() {
+    if (encoder_.busy()) return false;
     FrameHeader header;
     std::shared_ptr<const StillPicture> still;
     uint32_t first, rows;
     {
         std::lock_guard lock(mutex_);
-        if (!still_ || unwritten_ || !client_.visible || !line_.room(frameSeconds_, MAX_UNACKED)) return;
+        if (!still_ || unwritten_ || !client_.visible || !line_.room(frameSeconds_, MAX_UNACKED)) return false;
         still = still_;
         first = stillRows_;
         rows = std::min(std::max(PART_PIXELS / still->image.width, 1u), still->image.height - first);
@@ -106,6 +106,7 @@ void Viewer::refine() {
         line_.begin(header.frameId, secondsNow());
     }
     encoder_.encode(std::move(still), first, rows, header);
+    return true;
 }
 
 /// With the lock held. The last frame of a view is a better one, unless the line is short of room.

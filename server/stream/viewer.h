@@ -42,9 +42,9 @@ public:
     Readiness readiness() const;
     /// Encodes and sends the frame; only when `readiness` is ready, for a picture when it is not busy.
     void take(FinishedFrame frame);
-    /// Goes on with the parts of the last picture, which make it exact; does nothing where there are none, or no room. To be called
+    /// Goes on with the parts of the last picture, which make it exact; false where there are none, or no room. To be called
     /// when there is nothing else to take.
-    void refine();
+    bool refine();
     /// No frame is being encoded or waits to be acknowledged, or nothing was for long.
     bool nothingOnItsWay() const;
     /// The viewer has shown a frame. Throws InputError for one that was never sent.

@@ -184,7 +184,7 @@ public:
             const auto& [quality, resident] = *residents_.begin();
             general.quality = quality;
             general.effects = effectsOf(*source_);
-            general.pathStack = pathStackSize(general.effects, Settings{});
+            general.pathStack = pathStackSize({general.effects.bits & ~EFFECT_PATH}, Settings{});  // one path needs least
             general.exactRounding = roundsExactly(Settings{});
             kind = kindOf(*resident.scene, general.effects, general.pathStack, general.exactRounding);
             kind.general = true;
