@@ -83,6 +83,9 @@ async function exactChecks(checks, page) {
     await exact(page);
   });
   await checks.check('the trace holds each step of a frame', async () => {
+    await drag(page, 10);
+    await page.mouse.up();
+    await exact(page);
     const download = page.waitForEvent('download');
     await page.getByRole('button', { name: 'Save', exact: false }).first().click();
     await page.getByText('chrome://tracing').click();
