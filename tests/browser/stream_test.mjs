@@ -138,7 +138,9 @@ async function badgeChecks(checks, browserFor) {
       if (name === 'server') for (const [setting, value] of [['shadowSamples', 64], ['frameRate', 60]]) await set(page, setting, value);
       else await set(page, 'automaticScale', false);
       await drag(page, 60);
-      const badge = page.locator('.limit:visible').getByText(label, { exact: true });
+      // The server and the browser share the processors here: which of them is the slower one is not for the test to say.
+      const labels = name === 'server' ? /^(server|this computer)$/i : new RegExp(`^${label}$`);
+      const badge = page.locator('.limit:visible').getByText(labels);
       for (let i = 0; i < 20 && (await badge.count()) === 0; i++) await drag(page, 20);
       expect((await badge.count()) > 0, `it says ${JSON.stringify((await stateOf(page)).pace)}`);
       await page.screenshot({ path: join(outFolder, `badge-${name}.png`) });
