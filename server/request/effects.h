@@ -24,10 +24,10 @@ struct EffectRow {
     std::string_view name;
     std::string_view setting;  // name of `allowedBy` or `chosenBy`, or ""
     std::string_view help;
-    bool Settings::*allowedBy = nullptr;  // the switch; null: always allowed
+    bool Settings::*allowedBy = nullptr;     // the switch; null: always allowed
     uint32_t Settings::*chosenBy = nullptr;  // a choice that allows it where it is not 0; null: none
-    uint32_t parent = 0;                  // EFFECT_* that must be allowed too; 0: none
-    float Settings::*positive = nullptr;  // setting that must be above 0; null: none
+    uint32_t parent = 0;                     // EFFECT_* that must be allowed too; 0: none
+    float Settings::*positive = nullptr;     // setting that must be above 0; null: none
 };
 
 /// All rows, in the table's order, which is that of their bits.

@@ -79,7 +79,7 @@ EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, 
     result.figures = frame.figures;
     result.order = frame.picture;
     result.targetSamples = frame.view.settings.samples;
-    if (keep) result.still = std::make_shared<StillPicture>(std::move(display_), result.header);
+    if (keep) result.still = std::make_shared<StillPicture>(StillPicture{std::move(display_), result.header});
     return result;
 }
 

@@ -81,10 +81,10 @@ void makeOcclusion(RayKernel& k, const std::vector<OcclusionPoint>& points, RayL
                 const OcclusionPoint& p = points[i];
                 vec3 t, b;
                 k.orthonormalBasis(p.normal, t, b);
-                list.push(p.origin,
-                          k.occlusionDirection(k.sobolPoint(k.occlusionNumber(0, index)), p.shift, p.normal, p.geometricNormal,
-                                               t, b),
-                          k.frame.aoDistance);
+                list.push(
+                    p.origin,
+                    k.occlusionDirection(k.sobolPoint(k.occlusionNumber(0, index)), p.shift, p.normal, p.geometricNormal, t, b),
+                    k.frame.aoDistance);
             }
         }
 }

@@ -163,7 +163,7 @@ TEST(MeshoptGeometry, IsWhatWasEncoded) {
             EXPECT_EQ(exact->contentHash, openBytes(plainGlb(grid))->contentHash);
         }
         expectWave(*exact, grid, 1e-6f, 1e-6f, 1e-6f);
-                  expectWave(*openBytes(meshoptGlb(grid, MeshoptKind::filtered, triangles)), grid, 1e-3f, 1e-3f, 1e-3f);
+        expectWave(*openBytes(meshoptGlb(grid, MeshoptKind::filtered, triangles)), grid, 1e-3f, 1e-3f, 1e-3f);
     }
 }
 
