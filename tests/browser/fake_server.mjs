@@ -160,6 +160,8 @@ class FakeViewer {
         return this.play(message.playing);
       case 'effectCosts':
         return this.measure();
+      case 'client': // what the viewer's computer is, and whether the page is seen: nothing to answer
+        return;
       case 'focus':
         return this.focus(message);
       default:
