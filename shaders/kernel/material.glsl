@@ -133,11 +133,12 @@ Shading shadingAt(IN(Surface) s) {
     bool phong = (r.flags & MATERIAL_PHONG) != 0u;
     float k = (r.ior - 1.0f) / (r.ior + 1.0f);
     float dielectric = SELECT(r.ior > 0.0f, k * k, 1.0f);
-    // KHR_materials_specular: the colour scales the reflectance straight on, the factor all of the reflection.
+    // KHR_materials_specular: the colour scales the reflectance straight on, the factor all of the reflection. What is seen flat
+    // reflects white, whatever the colour.
     vec3 base0 = r.f0 * dielectric;
     base0 = vec3(min(base0.x, 1.0f), min(base0.y, 1.0f), min(base0.z, 1.0f));
     float dielectricShare = (1.0f - specular.w) * (1.0f - metallic);
-    r.f90 = grazingReflectance(base0) * dielectricShare + grazingReflectance(color) * metallic;
+    r.f90 = grazingReflectance(vec3(dielectric, dielectric, dielectric)) * dielectricShare + grazingReflectance(color) * metallic;
     r.f0 = SELECT(phong, r.f0, base0 * dielectricShare + color * metallic);
     r.tint = SELECT(phong, r.tint, r.tint * color);
     r.transmission = SELECT(phong, r.transmission, r.transmission * (1.0f - metallic));

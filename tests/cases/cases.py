@@ -154,7 +154,27 @@ def narrow_spots(case):
             case.ask(f'the middle of a cone of {degrees} degrees', case.path(f'{degrees}.gltf'), centre, case.path('20.gltf'))
 
 
-CASES = [obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots]
+def specular_colours(case):
+    """A smooth black floor seen under cosine 0.1, in surroundings of red 0.24: Schlick's curve from the factor times 0.04 times
+    the colour straight on to the factor at grazing."""
+    for factor, colour in ((1, 1), (1, 0), (1, .25), (.5, 1), (.5, 0), (0, 1)):
+        scene = Gltf()
+        material = scene.add('materials', {
+            'pbrMetallicRoughness': {'baseColorFactor': [0, 0, 0, 1], 'metallicFactor': 0, 'roughnessFactor': 0},
+            'extensions': {'KHR_materials_specular': {'specularFactor': factor, 'specularColorFactor': [colour] * 3}}})
+        scene.uses('KHR_materials_specular')
+        lean = math.acos(.1) / 2
+        floor = scene.mesh([(x * 50, y * 50, 0) for x, y, z in SQUARE], SQUARE_INDICES, material)
+        scene.node(mesh=floor, rotation=[-math.sin(lean), 0, 0, math.cos(lean)])
+        scene.light([0, 0, 0], [0, 0, 0, 1], type='point', intensity=0)
+        scene.camera((0, 0, 5), 1)
+        scene.save(case.path(f'{factor}-{colour}.gltf'))
+        straight = .04 * colour
+        case.ask(f'specular factor {factor}, colour {colour}, seen flat', case.path(f'{factor}-{colour}.gltf'), lambda f: centre(f)[:1],
+                 (.24 * factor * (straight + (1 - straight) * .9 ** 5),), .003)
+
+
+CASES = [specular_colours, obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots]
 
 
 class Runner:

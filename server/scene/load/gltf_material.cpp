@@ -92,7 +92,7 @@ private:
         to_.metallicRoughnessTexture = NO_INDEX;
         to_.metallic = 0.0f;
         to_.roughness = 1.0f - static_cast<float>(numberOf(e, "glossinessFactor", 1.0));
-        to_.specular = vec4(specular / 0.04f, 0.0f);
+        to_.specular = vec4(specular / 0.04f, largest(specular) > 0.0f ? 0.0f : 1.0f);  // black: it reflects nothing at all
         if (e.Has("specularGlossinessTexture")) {
             warn("its specularGlossinessTexture is not drawn");
             to_.roughness = std::max(to_.roughness, 0.5f);
