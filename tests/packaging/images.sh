@@ -6,7 +6,7 @@
 set -u
 cd "$(dirname "$(readlink -f "$0")")/../.." || exit 1
 . tests/packaging/root.sh
-passed=0 failed=0 container='' mounted=''
+container='' mounted=''
 mkdir -p out/packaging
 work=$(mktemp -d -p out/packaging)
 work=$(readlink -f "$work")
@@ -25,19 +25,6 @@ clean_up() {
     rm -rf --one-file-system "$work"
 }
 trap clean_up EXIT
-
-# expect WHAT COMMAND...: must succeed; else the end of what it said is shown.
-expect() {
-    local what=$1
-    shift
-    if "$@" >"$work/said" 2>&1; then
-        passed=$((passed + 1))
-        echo "ok    $what"
-    else
-        failed=$((failed + 1))
-        echo "FAIL  $what: $(tail -n 8 "$work/said" | cut -c 1-300)"
-    fi
-}
 
 base_image() {
     local container

@@ -6,7 +6,6 @@ set -u
 cd "$(dirname "$(readlink -f "$0")")/../.." || exit 1
 . tests/packaging/root.sh
 build=${1:-build/release}
-passed=0 failed=0
 mkdir -p out/packaging
 work=$(mktemp -d)
 root=$work/root
@@ -18,19 +17,6 @@ clean_up() {
     if [ -z "${HELIOGRAPH_KEEP_ROOT:-}" ]; then rm -rf --one-file-system "$work"; else echo "kept: $root"; fi
 }
 trap clean_up EXIT
-
-# expect WHAT COMMAND...: must succeed; else the end of what it said is shown.
-expect() {
-    local what=$1
-    shift
-    if "$@" >"$work/said" 2>&1; then
-        passed=$((passed + 1))
-        echo "ok    $what"
-    else
-        failed=$((failed + 1))
-        echo "FAIL  $what: $(tail -n 3 "$work/said" | cut -c 1-300)"
-    fi
-}
 
 # files: what there is in the root, but for what dpkg, apt and the linker keep for themselves.
 files() {

@@ -39,3 +39,17 @@ enter_root() {
     shift
     chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive "$@"
 }
+
+# expect WHAT COMMAND...: must succeed; else the end of what it said is shown. Counts in $passed and $failed; $work is a folder.
+passed=0 failed=0
+expect() {
+    local what=$1
+    shift
+    if "$@" >"$work/said" 2>&1; then
+        passed=$((passed + 1))
+        echo "ok    $what"
+    else
+        failed=$((failed + 1))
+        echo "FAIL  $what: $(tail -n 8 "$work/said" | cut -c 1-300)"
+    fi
+}

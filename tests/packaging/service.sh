@@ -5,7 +5,6 @@ set -u
 cd "$(dirname "$(readlink -f "$0")")/../.." || exit 1
 . tests/packaging/root.sh
 build=${1:-build/release}
-passed=0 failed=0
 mkdir -p out/packaging
 work=$(mktemp -d)
 chmod 755 "$work"
@@ -19,18 +18,6 @@ clean_up() {
 }
 trap clean_up EXIT
 
-# expect WHAT COMMAND...: must succeed; else the end of what it said is shown.
-expect() {
-    local what=$1
-    shift
-    if "$@" >"$work/said" 2>&1; then
-        passed=$((passed + 1))
-        echo "ok    $what"
-    else
-        failed=$((failed + 1))
-        echo "FAIL  $what: $(tail -n 5 "$work/said" | cut -c 1-300)"
-    fi
-}
 # until_true SECONDS COMMAND...: tried twice a second.
 until_true() {
     local turn
