@@ -235,10 +235,13 @@ uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 arrivi
     bool solid = (m.flags & MATERIAL_VOLUME) != 0u;
     vec3 about = m.normal;
     vec3 onward = p.direction;
+    float scattering = saturate(2.0f * m.ior - 2.0f);
     if (HAS(EFFECT_ROUGH_GLASS)) {
         about = m.facet;
-        // A thin pane scatters as its front reflects, to the other side.
-        vec3 mirrored = p.direction - about * (2.0f * dot(about, p.direction));
+        // A thin pane scatters as its front reflects, to the other side; below an index of 1.5 less, as there is less to bend it
+        // (the roughness of Khronos' sample viewer), and at 1 there is no interface.
+        vec3 leaning = SELECT(scattering < 1.0f, normalize3(m.normal + (about - m.normal) * scattering), about);
+        vec3 mirrored = p.direction - leaning * (2.0f * dot(leaning, p.direction));
         onward = mirrored - m.normal * (2.0f * dot(m.normal, mirrored));
     }
     vec3 bent = normalize3(p.direction * eta + about * (eta * cosI - cosT));
@@ -247,7 +250,10 @@ uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 arrivi
     float across = dot(onward, s.geometricNormal);
     if (HAS(EFFECT_ROUGH_GLASS)) onward = SELECT(across < 0.0f, onward, normalize3(onward - s.geometricNormal * (across + 0.01f)));
     vec3 direction = SELECT(solid, bent, onward);
-    if (HAS(EFFECT_ROUGH_GLASS)) weight = weight * throughShare(m, -dot(m.normal, direction));
+    if (HAS(EFFECT_ROUGH_GLASS)) {
+        float through = throughShare(m, -dot(m.normal, direction));
+        weight = weight * SELECT(scattering < 1.0f, 1.0f + (through - 1.0f) * scattering, through);
+    }
     bool follow = HAS(EFFECT_REFRACTIONS) && refractionDepth(p.depth) < FRAME.maxRefractions
                   && share > FRAME.contributionThreshold;
     if (HAS(EFFECT_PATH)) follow = share > 0.0f && bounces(p.depth) < FRAME.maxBounces;

@@ -174,7 +174,28 @@ def specular_colours(case):
                  (.24 * factor * (straight + (1 - straight) * .9 ** 5),), .003)
 
 
-CASES = [specular_colours, obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots]
+def rough_panes(case):
+    """A thin pane of roughness 0.7 before stripes: it blurs them, and at an index of 1, where there is no interface, it does not."""
+    for name, roughness, index in (('clear', 0, 1.0), ('rough', .7, 1.0), ('blurs', .7, 1.5)):
+        scene = Gltf()
+        for stripe in range(-8, 8):
+            colour = [stripe % 2, stripe % 2, stripe % 2, 1]
+            scene.node(mesh=scene.mesh([(stripe * .25 + (x + 1) * .125, y * 3, -1) for x, y, z in SQUARE], SQUARE_INDICES,
+                                       scene.unlit(baseColorFactor=colour)))
+        for extension in ('transmission', 'ior'):
+            scene.uses('KHR_materials_' + extension)
+        pane = scene.add('materials', {
+            'pbrMetallicRoughness': {'metallicFactor': 0, 'roughnessFactor': roughness},
+            'extensions': {'KHR_materials_transmission': {'transmissionFactor': 1}, 'KHR_materials_ior': {'ior': index}}})
+        scene.node(mesh=scene.mesh(SQUARE, SQUARE_INDICES, pane))
+        scene.light([0, 0, 0], [0, 0, 0, 1], type='point', intensity=0)
+        scene.camera((0, 0, 3), 20)
+        scene.save(case.path(name + '.gltf'))
+    case.ask('rough with index 1: sharp', case.path('rough.gltf'), lambda f: [deviation(f)], case.path('clear.gltf'), .01)
+    case.ask('rough with index 1.5: blurred', case.path('blurs.gltf'), lambda f: [deviation(f) < .25], (True,))
+
+
+CASES = [specular_colours, rough_panes, obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots]
 
 
 class Runner:
