@@ -2,8 +2,8 @@
 # The client of sixty lines against a real server: run.sh PROGRAM; the last line is `N passed, N failed`. It is written from
 # docs/reference/protocol.md alone, so what fails here fails for whoever writes another client.
 set -u
-cd "$(dirname "$(readlink -f "$0")")" || exit 1
 program=$(readlink -f "${1:?run.sh PROGRAM}")
+cd "$(dirname "$(readlink -f "$0")")" || exit 1
 passed=0 failed=0
 scratch=$(mktemp -d)
 mkdir "$scratch/page" "$scratch/frames"

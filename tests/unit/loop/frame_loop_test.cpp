@@ -339,7 +339,9 @@ TEST(FrameLoop, WhereFullPicturesAreTooSlowTheyAreSmallWhileTheCameraMovesAndFul
     std::lock_guard lock(s.viewer.mutex);
     std::vector<uvec2> end;  // sizes of the pictures of the last input
     for (const FinishedFrame& frame : s.viewer.frames) {
-        if (frame.view.moving) EXPECT_LT(frame.size.x, 96u) << frame.view.inputId;
+        if (frame.view.moving) {
+            EXPECT_LT(frame.size.x, 96u) << frame.view.inputId;
+        }
         EXPECT_FALSE(frame.final && frame.size.x < 96) << "a larger one follows";
         EXPECT_EQ(frame.view.resolution, uvec2(96, 64));
         if (frame.view.inputId == 13) end.push_back(frame.size);

@@ -134,7 +134,9 @@ void takeAll(Seat& seat, size_t frames) {
         seat.write(sent.back().kind);
         for (size_t i = frames; i < sent.size(); i++) seat.viewer.acknowledge({sent[i].frameId, std::nullopt});
         more = seat.viewer.refine();
-        if (more) ASSERT_TRUE(test::until([&] { return seat.sent().size() > sent.size(); }));
+        if (more) {
+            ASSERT_TRUE(test::until([&] { return seat.sent().size() > sent.size(); }));
+        }
     }
 }
 
