@@ -29,7 +29,8 @@ import { initialState, type Message, type Topic, type ViewerState } from './view
 import type { PictureFormat } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
 import { DRIVEN_BY_OTHERS, viewOf, Watching, withoutView, withView } from './watching.js';
-import { Connection, socketUrl, tokenOf, type ConnectionState } from './wire/socket.js';
+import { Connection, socketUrl, type ConnectionState } from './wire/socket.js';
+import { keepToken, takeToken, tokenOf } from './wire/token.js';
 
 const RESIZE_DELAY = 150; // ms
 
@@ -84,7 +85,7 @@ export class Viewer {
       text: (text: string) => this.received(() => this.control(parseMessage(text))),
       binary: (buffer: ArrayBuffer) => this.received(() => this.binary(buffer)),
     };
-    this.connection_ = new Connection(socketUrl(location.href), hooks, tokenOf(location.href));
+    this.connection_ = new Connection(socketUrl(location.href), hooks, takeToken());
     this.controller = new CameraController({
       schedule: () => requestAnimationFrame((time) => this.controller.step(time)),
       restAfter: (ms) => this.restAfter(ms),
@@ -92,6 +93,9 @@ export class Viewer {
       changed: () => this.emit('camera'),
     });
     window.addEventListener('resize', () => this.resized());
+    window.addEventListener('hashchange', () => {
+      if (tokenOf(location.href) !== null) this.connection_.setToken(takeToken()!);
+    });
     onPixelRatio(() => this.resized());
     document.addEventListener('visibilitychange', () => this.tellClient());
     this.measure();
@@ -103,6 +107,12 @@ export class Viewer {
 
   connect(): void {
     this.connection_.open();
+  }
+
+  /** The viewer's answer to a server that asks for a token. */
+  giveToken(token: string): void {
+    keepToken(token);
+    this.connection_.setToken(token);
   }
 
   openScene(name: string): void {

@@ -42,7 +42,7 @@ export interface ViewerState {
 
 export function initialState(resolutionMode: ResolutionMode): ViewerState {
   return {
-    connection: { name: 'connecting' },
+    connection: { name: 'connecting', refusal: null },
     hello: null,
     scene: null,
     ready: null,

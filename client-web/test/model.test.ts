@@ -8,7 +8,8 @@ import { pictureSize } from '../src/picture/resolution.js';
 import { fileName } from '../src/page/scene_name.js';
 import { SettingsModel } from '../src/panels/settings/settings_model.js';
 import { fromSlider, SLIDER_STEPS, stepped, toSlider } from '../src/panels/settings/slider_scale.js';
-import { backoffDelay, socketUrl, tokenOf } from '../src/wire/socket.js';
+import { backoffDelay, socketUrl } from '../src/wire/socket.js';
+import { tokenOf, withoutToken } from '../src/wire/token.js';
 
 function row(name: string, type: SettingRow['type'], preset: SettingRow['default'], low = 0, high = 0): SettingRow {
   return {
@@ -180,6 +181,8 @@ test('socketUrl and tokenOf: beside the page, the token only from the fragment',
   assert.equal(socketUrl('https://example.org/view/?x=1'), 'wss://example.org/view/ws');
   assert.equal(tokenOf('http://localhost/#token=a%2Bb'), 'a+b');
   assert.equal(tokenOf('http://localhost/?token=abc'), null);
+  assert.equal(withoutToken('http://localhost/?view=1#token=abc'), 'http://localhost/?view=1');
+  assert.equal(withoutToken('http://localhost/#scene=a&token=abc&fov=50'), 'http://localhost/#scene=a&fov=50');
 });
 
 test('format: figures as people read them', () => {

@@ -128,6 +128,7 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
     if (const unsigned status = sizeStatus(wsi); status != 0) return refuse(wsi, status, TOO_LONG);
     if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (path == "/admin" || path.starts_with("/admin/")) return admin(wsi, path);
+    if (path == "/ws") return whyNot(wsi);
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0 && lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) <= 0) {
         return refuse(wsi, 405, "only GET is answered here");
     }
@@ -142,7 +143,6 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
         if (bearer != Bearer::right) return refuseBearer(wsi, readers_, bearer);
         return answer(wsi, 200, "text/plain; version=0.0.4", {handler_.metricsText(), {}, 0});
     }
-    if (path == "/ws") return refuse(wsi, 426, "WebSocket is spoken here");
     auto link = links_.find(wsi);
     if (link != links_.end()) link->second.since = Clock::now();
     if (link != links_.end() && link->second.reserved) return tooManyConnections(wsi);

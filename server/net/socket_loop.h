@@ -133,6 +133,7 @@ private:
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
     int upgrade(lws* wsi);
+    int whyNot(lws* wsi);
     int tooManyConnections(lws* wsi);
     int refuse(lws* wsi, unsigned status, const std::string& why, double retryAfter = 0.0);
     int sayLast(lws* wsi, unsigned status, const std::string& mimeType, const std::string& body, double retryAfter);

@@ -19,6 +19,7 @@ constexpr std::chrono::milliseconds LINGER{500};     // between a close and the 
 constexpr size_t CLOSE_REASON = 120;                 // bytes; a close frame holds 125, two of them the code
 constexpr uint64_t READ_AFTER_CLOSE = 65536;         // bytes, of who is to go and may answer that
 constexpr const char* UNMASKED = "frames without a mask, or before the handshake was answered";
+constexpr const char* OTHER_ORIGIN = "pages of another origin may not connect";
 constexpr const char* TOO_MANY = "too many messages";
 
 /// Whether the comma-separated list holds the word.
@@ -46,7 +47,7 @@ int SocketLoop::upgrade(lws* wsi) {
         return refuse(wsi, 400, std::string("this server speaks ") + PROTOCOL_NAME);
     }
     if (!originAllowed(origin, host, options_.allowedOrigins, loopbackOnly(wsi))) {
-        return refuse(wsi, 403, "pages of another origin may not connect");
+        return refuse(wsi, 403, OTHER_ORIGIN);
     }
     const Bearer bearer = options_.token.empty() ? Bearer::none : bearerOf(wsi, guard_, {options_.token});
     if (bearer == Bearer::wrong || bearer == Bearer::locked) return refuseBearer(wsi, guard_, bearer);
@@ -54,6 +55,16 @@ int SocketLoop::upgrade(lws* wsi) {
     if (const auto none = noRoom()) return refuse(wsi, 503, none->why, none->retrySeconds);
     if (bearer == Bearer::right) authorized_.insert(wsi);
     return 0;
+}
+
+/// Pages cannot read the answer to a WebSocket that is refused, so they ask here what stands against it: by POST, as only
+/// that tells their origin. 426: nothing does.
+int SocketLoop::whyNot(lws* wsi) {
+    const std::string host = headerOf(wsi, WSI_TOKEN_HOST), origin = headerOf(wsi, WSI_TOKEN_ORIGIN);
+    if (!originAllowed(origin, host, options_.allowedOrigins, loopbackOnly(wsi))) return refuse(wsi, 403, OTHER_ORIGIN);
+    if (auto link = links_.find(wsi); link != links_.end() && link->second.reserved) return tooManyConnections(wsi);
+    if (const auto none = noRoom()) return refuse(wsi, 503, none->why, none->retrySeconds);
+    return refuse(wsi, 426, "WebSocket is spoken here");
 }
 
 /// Nothing where another viewer finds room.

@@ -5,6 +5,7 @@
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { fakeChecks } from './fake_test.mjs';
+import { doorChecks } from './door_test.mjs';
 import { keyChecks } from './keys_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
@@ -391,5 +392,6 @@ try {
   await watchChecks(checks);
   await fakeChecks(checks);
   await keyChecks(checks);
+  await doorChecks(checks);
   checks.finish();
 }

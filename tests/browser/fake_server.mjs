@@ -1,6 +1,6 @@
 // A stand-in for the server, speaking docs/reference/protocol.md, to work on the page without one and to test what a real server
 // seldom does. Started like the real one: fake_server.mjs serve [SCENE] --listen 127.0.0.1:PORT
-// HELIOGRAPH_FAKE_OMIT leaves settings out of the table (names with commas).
+// HELIOGRAPH_FAKE_OMIT leaves settings out of the table (names with commas); HELIOGRAPH_FAKE_TOKEN is a token to ask for.
 
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -22,7 +22,7 @@ const omitted = (process.env.HELIOGRAPH_FAKE_OMIT ?? '').split(',');
 const SCHEMA = schema(omitted);
 
 /** What the tests change by /control?name=value, and what viewers said, which /received answers and forgets. */
-const control = { partition: 'on', costs: 'ready', given: '' };
+const control = { partition: 'on', costs: 'ready', given: '', refuse: '', why: '' };
 let received = [];
 
 const SCENES = [
@@ -313,6 +313,7 @@ const POLICY = "default-src 'self'; style-src 'self'; img-src 'self' blob: data:
 const http = createServer((request, response) => {
   const path = request.url === '/' ? '/index.html' : request.url.split('?')[0];
   if (path === '/healthz') return void response.end('ok\n');
+  if (path === '/ws') return void response.writeHead(Number(control.refuse || 426)).end(control.why);
   if (path === '/control') {
     Object.assign(control, Object.fromEntries(new URLSearchParams(request.url.split('?')[1])));
     return void response.end('ok\n');
@@ -334,9 +335,22 @@ const http = createServer((request, response) => {
   }
 });
 const sockets = new WebSocketServer({
-  server: http,
-  path: '/ws',
+  noServer: true,
   handleProtocols: (offered) => (offered.has('heliograph.v1') ? 'heliograph.v1' : false),
 });
-sockets.on('connection', (socket) => new FakeViewer(socket));
+http.on('upgrade', (request, socket, head) => {
+  if (control.refuse !== '') return socket.end(`HTTP/1.1 ${control.refuse} Refused\r\ncontent-length: 0\r\n\r\n`);
+  sockets.handleUpgrade(request, socket, head, (opened) => admit(opened));
+});
+
+/** Lets in who says the token first, where there is one. */
+function admit(socket) {
+  const token = process.env.HELIOGRAPH_FAKE_TOKEN;
+  if (token === undefined) return void new FakeViewer(socket);
+  socket.once('message', (data) => {
+    const message = JSON.parse(data.toString());
+    if (message.type === 'token' && message.token === token) new FakeViewer(socket);
+    else socket.close(4001);
+  });
+}
 http.listen(Number(port), host, () => console.log(`fake server on http://${host}:${port}`));

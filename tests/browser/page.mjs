@@ -118,7 +118,7 @@ export class Browser {
   }
 
   problem(text) {
-    const disconnect = /ERR_CONNECTION_REFUSED|WebSocket connection to .* failed|ERR_CONNECTION_RESET/.test(text);
+    const disconnect = /ERR_CONNECTION_REFUSED|WebSocket connection to .* failed|ERR_CONNECTION_RESET|\/ws$|status of \d+/.test(text);
     if (this.expectDisconnect && disconnect) return;
     if (this.problems.length < 20 && !this.problems.includes(text)) this.problems.push(text);
   }

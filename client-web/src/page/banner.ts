@@ -4,6 +4,7 @@ import { el, icon, setText } from './dom.js';
 import { compact } from './format.js';
 import type { PathResult } from '../wire/protocol.js';
 import { displayName } from './scene_name.js';
+import { TokenForm } from './token_form.js';
 import type { Viewer } from '../viewer.js';
 import './banner.css';
 
@@ -12,6 +13,7 @@ export class Banner {
   private readonly title_ = el('strong');
   private readonly text_ = el('span', { class: 'banner-text' });
   private readonly progress_ = el('progress', { max: 1 });
+  private readonly token_ = new TokenForm((token) => this.viewer_.giveToken(token));
   private readonly button_ = el('button', { type: 'button', class: 'wide-button' });
   private act_: () => void = () => undefined;
   private closedResult_: PathResult | null = null;
@@ -21,7 +23,7 @@ export class Banner {
     private readonly viewer_: Viewer,
     private readonly announce_: (text: string) => void,
   ) {
-    this.element.append(el('div', { class: 'banner-words' }, this.title_, this.text_), this.progress_, this.button_);
+    this.element.append(el('div', { class: 'banner-words' }, this.title_, this.text_), this.progress_, this.token_.element, this.button_);
     this.button_.addEventListener('click', () => this.act_());
     viewer_.on(['connection', 'scene', 'path', 'watching'], () => this.refresh());
     window.setInterval(() => {
@@ -49,15 +51,28 @@ export class Banner {
   private connection(): void {
     const state = this.viewer_.state.connection;
     const first = this.viewer_.state.hello === null;
-    if (state.name === 'stopped') return this.show('Not connected', state.reason, null);
+    if (state.name === 'stopped') {
+      this.show('Not connected', state.reason, null);
+      this.token_.element.hidden = !state.wantsToken;
+      return;
+    }
+    if (state.name === 'open') return;
+    const { refusal } = state;
+    if (refusal !== null) {
+      const wait = state.name === 'waiting' ? this.wait(state.retryAt) : 'trying again now';
+      const sentence = `T${wait.slice(1)}`;
+      const text = refusal.advice === '' ? wait : `${refusal.advice} ${sentence}`;
+      return this.show(refusal.title, text, null, 'Try now', () => this.viewer_.connect());
+    }
     if (state.name === 'connecting')
       return this.show(first ? 'Connecting' : 'Connection lost', first ? 'to the server' : 'trying again now', null);
-    if (state.name !== 'waiting') return;
-    const seconds = Math.max(0, Math.ceil((state.retryAt - performance.now()) / 1000));
     const reason = state.reason === '' ? '' : ` (${state.reason})`;
     const title = first ? 'The server does not answer' : 'Connection lost';
-    this.show(title + reason, `trying again in ${seconds} s`, null, 'Try now', () => this.viewer_.connect());
+    this.show(title + reason, this.wait(state.retryAt), null, 'Try now', () => this.viewer_.connect());
   }
+
+  private readonly wait = (retryAt: number): string =>
+    `trying again in ${Math.max(0, Math.ceil((retryAt - performance.now()) / 1000))} s`;
 
   private loading(name: string, what: string, share: number): void {
     this.show(`Loading ${name}`, what, share);
@@ -81,6 +96,7 @@ export class Banner {
     act: () => void = () => undefined,
   ): void {
     if (this.element.hidden || this.title_.textContent !== title) this.announce_(`${title}. ${text}`);
+    this.token_.element.hidden = true;
     setText(this.title_, title);
     setText(this.text_, text);
     this.progress_.hidden = share === null;

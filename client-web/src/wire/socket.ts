@@ -1,13 +1,15 @@
 // The connection: opens the WebSocket, keeps it alive, and opens it again after it was lost.
 
 import { PROTOCOL } from './protocol.js';
+import { askRefusal, type Refusal } from './refusal.js';
 import type { ViewerMessage } from './viewer_message.js';
 
 export type ConnectionState =
-  | { readonly name: 'connecting' }
+  | { readonly name: 'connecting'; readonly refusal: Refusal | null } // refusal: of the attempt before
   | { readonly name: 'open' }
-  | { readonly name: 'waiting'; readonly retryAt: number; readonly reason: string } // retryAt: performance.now()
-  | { readonly name: 'stopped'; readonly reason: string };
+  // retryAt: performance.now()
+  | { readonly name: 'waiting'; readonly retryAt: number; readonly reason: string; readonly refusal: Refusal | null }
+  | { readonly name: 'stopped'; readonly reason: string; readonly wantsToken: boolean };
 
 export interface ConnectionHooks {
   state(state: ConnectionState): void;
@@ -22,13 +24,9 @@ const SILENCE_LIMIT = 10_000; // ms that a ping may stay without any answer
 
 const UNAUTHORIZED = 4001; // close codes
 const DISMISSED = 4003;
-const NEEDS_TOKEN = 'This server asks for a token. Add #token=… to the address of the page.';
-const WRONG_TOKEN = 'The server refused the token. Check #token=… in the address of the page and reload it.';
-
-/** The token of a page address that ends in `#token=…`; a fragment is never sent to a server. */
-export function tokenOf(pageUrl: string): string | null {
-  return new URLSearchParams(new URL(pageUrl).hash.slice(1)).get('token');
-}
+const NEEDS_TOKEN = 'This server asks for a token.';
+const WRONG_TOKEN = 'The server refused the token.';
+const LONGEST_WAIT = 30; // s that a server may ask a refused page to wait
 
 /**
  * Milliseconds to wait before attempt `attempt` (0 first). `random` in [0, 1) spreads viewers of one server by 20 %.
@@ -52,14 +50,21 @@ export class Connection {
   private retryTimer_ = 0;
   private pingTimer_ = 0;
   private unansweredSince_: number | null = null;
+  private refusal_: Refusal | null = null; // of the newest attempt that was refused
   /** Of the newest ping that was answered, told with the next one; null on a new connection. */
   roundTripMs: number | null = null;
 
   constructor(
     private readonly url_: string,
     private readonly hooks_: ConnectionHooks,
-    private readonly token_: string | null = null,
+    private token_: string | null = null,
   ) {}
+
+  /** Said from the next connection on, which is opened now unless there is one. */
+  setToken(token: string): void {
+    this.token_ = token;
+    if (!this.isOpen) this.open();
+  }
 
   get isOpen(): boolean {
     return this.socket_?.readyState === WebSocket.OPEN;
@@ -69,11 +74,14 @@ export class Connection {
   open(): void {
     window.clearTimeout(this.retryTimer_);
     this.abandon();
-    this.hooks_.state({ name: 'connecting' });
+    this.hooks_.state({ name: 'connecting', refusal: this.refusal_ });
     const socket = new WebSocket(this.url_, PROTOCOL);
     socket.binaryType = 'arraybuffer';
     this.socket_ = socket;
+    let opened = false;
     socket.onopen = () => {
+      opened = true;
+      this.refusal_ = null;
       if (this.token_ !== null) this.send({ type: 'token', token: this.token_ });
       this.pingTimer_ = window.setInterval(() => this.ping(), PING_INTERVAL);
       this.hooks_.state({ name: 'open' });
@@ -85,17 +93,18 @@ export class Connection {
       else this.hooks_.binary(event.data);
     };
     socket.onclose = (event) => {
-      if (event.code === UNAUTHORIZED) this.stop(this.token_ === null ? NEEDS_TOKEN : WRONG_TOKEN);
+      if (event.code === UNAUTHORIZED) this.stop(this.token_ === null ? NEEDS_TOKEN : WRONG_TOKEN, true);
       else if (event.code === DISMISSED) this.stop('The operator of the server closed this connection.');
       else this.lost(event.reason);
+      if (!opened) void this.explain();
     };
   }
 
   /** Closes for good; `reason` is shown. */
-  stop(reason: string): void {
+  stop(reason: string, wantsToken = false): void {
     window.clearTimeout(this.retryTimer_);
     this.abandon();
-    this.hooks_.state({ name: 'stopped', reason });
+    this.hooks_.state({ name: 'stopped', reason, wantsToken });
   }
 
   /** The server speaks the protocol: the next loss starts with the shortest delay again. */
@@ -122,8 +131,22 @@ export class Connection {
     this.abandon();
     const delay = backoffDelay(this.attempt_, Math.random());
     this.attempt_ += 1;
-    this.hooks_.state({ name: 'waiting', retryAt: performance.now() + delay, reason });
+    this.retryIn(delay, reason);
+  }
+
+  private retryIn(delay: number, reason: string): void {
+    window.clearTimeout(this.retryTimer_);
+    this.hooks_.state({ name: 'waiting', retryAt: performance.now() + delay, reason, refusal: this.refusal_ });
     this.retryTimer_ = window.setTimeout(() => this.open(), delay);
+  }
+
+  /** A WebSocket was refused: learns why, and waits as long as the server asks for. */
+  private async explain(): Promise<void> {
+    const attempt = this.attempt_;
+    this.refusal_ = await askRefusal(this.url_, location.origin);
+    if (attempt !== this.attempt_ || this.socket_ !== null) return;
+    const asked = 1000 * Math.min(LONGEST_WAIT, this.refusal_?.retryAfter ?? 0);
+    this.retryIn(Math.max(asked, backoffDelay(attempt - 1, Math.random())), '');
   }
 
   /** Lets go of the present socket without hearing from it again. */

@@ -140,6 +140,28 @@ TEST(SocketServer, HeadHasNoBodyAndPostIsRefused) {
     EXPECT_EQ(post.readAnswer().status, 405);
 }
 
+/// What a page hears that asks why its WebSocket was refused.
+HttpAnswer asksWhy(uint16_t port, const std::string& origin) {
+    WebClient page(port);
+    page.send("POST /ws HTTP/1.1\r\nHost: localhost\r\nOrigin: " + origin + "\r\nContent-Length: 0\r\n\r\n");
+    return page.readAnswer();
+}
+
+TEST(SocketServer, TellsAPageWhatStandsAgainstItsWebSocket) {
+    SocketOptions one = options();
+    one.maxViewers = 1;
+    Server s(one);
+    EXPECT_EQ(asksWhy(s.port(), "http://localhost").status, 426);
+    EXPECT_EQ(asksWhy(s.port(), "http://evil.example").status, 403);
+    WebClient viewer(s.port());
+    viewer.upgrade(OURS);
+    ASSERT_TRUE(s.handler.untilOpen(1));
+    const HttpAnswer full = asksWhy(s.port(), "http://localhost");
+    EXPECT_EQ(full.status, 503);
+    EXPECT_EQ(full.body, "no room for another viewer\n");
+    EXPECT_NE(full.header("retry-after"), "");
+}
+
 TEST(SocketServer, SaysHowItIs) {
     Server s;
     EXPECT_EQ(WebClient(s.port()).get("/healthz").body, "ok\n");
