@@ -20,6 +20,7 @@ import { Toasts } from './page/toast.js';
 import { Dock, SceneBar, type DockHooks } from './page/toolbar.js';
 import { traceFile } from './picture/frame_trace.js';
 import { Viewer } from './viewer.js';
+import './page/access.css'; // after what it says otherwise
 
 const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg' } as const;
 
@@ -82,6 +83,16 @@ function attachMessages(viewer: Viewer, toasts: Toasts, announce: (text: string)
   });
 }
 
+/** Control or Command with Z. */
+function attachUndo(viewer: Viewer): void {
+  window.addEventListener('keydown', (event) => {
+    const typing = event.target instanceof HTMLInputElement && event.target.type === 'text';
+    if (event.code !== 'KeyZ' || !(event.ctrlKey || event.metaKey) || event.shiftKey || typing) return;
+    event.preventDefault();
+    viewer.undoSettings();
+  });
+}
+
 function start(): void {
   const canvas = document.querySelector('canvas')!;
   const page = document.querySelector<HTMLElement>('#page')!;
@@ -117,9 +128,9 @@ function start(): void {
     partition.overlay,
     partition.card,
     new SceneBar(viewer).element,
+    dock.element, // before the panels, whose many fields would stand between it and the picture
     statistics.element,
     el('div', { class: 'column' }, settings.element, effects.element),
-    dock.element,
     restore,
     banner.element,
     toasts.element,
@@ -139,6 +150,7 @@ function start(): void {
     KeyR: () => viewer.resetView(),
     KeyP: () => viewer.togglePartition(),
   });
+  attachUndo(viewer);
   viewer.connect();
 }
 

@@ -24,6 +24,7 @@ import { Restoring } from './reconnect.js';
 import { onPixelRatio } from './picture/pixel_ratio.js';
 import { pictureSize, type ResolutionMode } from './picture/resolution.js';
 import { SettingsModel } from './panels/settings/settings_model.js';
+import { UndoStack } from './panels/settings/undo.js';
 import { ShownPartition } from './panels/partition/shown_partition.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat } from './wire/viewer_message.js';
@@ -33,6 +34,10 @@ import { Connection, socketUrl, type ConnectionState } from './wire/socket.js';
 import { keepToken, takeToken, tokenOf } from './wire/token.js';
 
 const RESIZE_DELAY = 150; // ms
+
+/** In the viewer's words: a place in the sky cannot be focused on. */
+const focusRefused = (message: string): string =>
+  message.includes('nothing is there') ? 'Nothing to focus on there: choose a place where something is seen.' : message;
 
 export class Viewer {
   readonly state: ViewerState;
@@ -44,6 +49,7 @@ export class Viewer {
   );
   readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
   readonly stream = new StreamMeter();
+  readonly undo = new UndoStack();
   readonly watching = new Watching(viewOf(location.href));
 
   /** Set by the page. */
@@ -124,6 +130,17 @@ export class Viewer {
   /** Shown at once; sent with the next animation frame, together with what else changes until then. */
   setSettings(values: SettingValues): void {
     if (!this.watching.maySet(Object.keys(values)) && this.drivenByOthers()) return;
+    this.undo.record(this.settings.valuesOf(Object.keys(values)), performance.now());
+    this.changeSettings(values);
+  }
+
+  /** Takes the last change of settings back. */
+  undoSettings(): void {
+    const values = this.watching.active ? null : this.undo.pop();
+    if (values !== null) this.changeSettings(values);
+  }
+
+  private changeSettings(values: SettingValues): void {
     if (this.pendingSettings_ === null) {
       this.pendingSettings_ = {};
       requestAnimationFrame(() => this.flushSettings());
@@ -200,7 +217,7 @@ export class Viewer {
 
   resetView(): void {
     if (this.drivenByOthers()) return;
-    if (this.state.ready !== null) this.controller.jump(this.state.ready.camera, performance.now());
+    if (this.state.ready !== null) this.controller.jump(this.state.ready.camera);
   }
 
   /** Says so where another viewer drives. */
@@ -324,7 +341,7 @@ export class Viewer {
   private drive(): void {
     this.sendResolution();
     const values = this.settings.restorable();
-    if (Object.keys(values).length > 0) this.setSettings(values);
+    if (Object.keys(values).length > 0) this.changeSettings(values);
   }
 
   private watches({ drives, camera, inputId }: WatchingMessage): void {
@@ -333,7 +350,7 @@ export class Viewer {
     this.emit('watching');
     if (!began) return;
     if (inputId !== null) return this.drive(); // a view of one's own, as asked for; its scene is yet to come
-    if (camera !== null) this.controller.jump(camera, performance.now());
+    if (camera !== null) this.controller.jump(camera);
     this.sendResolution();
     this.onMessage({ kind: 'notice', text: 'Who drove this view has left. You drive it now.' });
   }
@@ -365,8 +382,8 @@ export class Viewer {
     this.state.readyName = name;
     this.state.pathResult = null;
     this.controller.setScene(ready.bounds, ready.radius);
-    if (restored) this.controller.resend(performance.now());
-    else this.controller.jump(ready.camera, performance.now());
+    if (restored) this.controller.resend();
+    else this.controller.jump(ready.camera);
   }
 
   private path(playing: boolean, result: PathResult | null): void {
@@ -375,7 +392,7 @@ export class Viewer {
     if (playing) this.state.pathResult = null;
     if (result !== null) this.state.pathResult = result;
     this.controller.enabled = !playing && !this.watching.active;
-    if (stopped) this.controller.resend(performance.now());
+    if (stopped) this.controller.resend();
     this.emit('path');
   }
 
@@ -385,6 +402,7 @@ export class Viewer {
     if (about === 'scene') this.giveUpRestoring();
     if (about === 'watch') this.watchRefused();
     if (about === 'effectCosts') return this.effectCosts.refused(message);
+    if (about === 'focus') return this.onMessage({ kind: 'notice', text: focusRefused(message) });
     if (names.length === 0) this.onMessage({ kind: 'error', text: message });
     this.emit('settings');
     this.emit('frame');
@@ -411,11 +429,13 @@ export class Viewer {
     this.emit('frame');
   }
 
-  private sendCamera(camera: Camera, moving: boolean, eventTime: number): void {
+  private sendCamera(camera: Camera, moving: boolean, eventTime: number | null): void {
     if (this.watching.active) return;
     const inputId = this.nextInputId();
-    if (this.connection_.isOpen) this.stream.motionToPhoton.sent(inputId, eventTime);
-    if (this.connection_.isOpen) this.stream.trace.sent(inputId, eventTime, performance.now());
+    if (this.connection_.isOpen) {
+      if (eventTime !== null) this.stream.motionToPhoton.sent(inputId, eventTime);
+      this.stream.trace.sent(inputId, eventTime ?? performance.now(), performance.now());
+    }
     this.connection_.send({ type: 'camera', inputId, moving, ...camera });
   }
 

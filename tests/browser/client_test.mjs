@@ -7,6 +7,7 @@ import { join } from 'node:path';
 import { fakeChecks } from './fake_test.mjs';
 import { doorChecks } from './door_test.mjs';
 import { keyChecks } from './keys_test.mjs';
+import { panelChecks } from './panels_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 import { streamChecks } from './stream_test.mjs';
@@ -61,7 +62,7 @@ async function drag(from, to, steps = 8) {
 }
 
 async function setNumber(name, value) {
-  const input = field(name).locator('input[type=number]');
+  const input = field(name).locator('.number-field');
   await input.fill(String(value));
   await input.press('Enter');
 }
@@ -136,7 +137,7 @@ async function settingChecks() {
     const text = await error.textContent();
     expect(text.includes('maxReflections') && text.includes('999') && text.includes('31'), `message: ${text}`);
     const { settings } = await state();
-    const shown = await field('maxReflections').locator('input[type=number]').inputValue();
+    const shown = await field('maxReflections').locator('.number-field').inputValue();
     expect(Number(shown) === settings.maxReflections, `shown ${shown}, server ${settings.maxReflections}`);
     await error.scrollIntoViewIfNeeded();
     await screenshot('refused');
@@ -393,5 +394,6 @@ try {
   await fakeChecks(checks);
   await keyChecks(checks);
   await doorChecks(checks);
+  await panelChecks(checks);
   checks.finish();
 }

@@ -1,6 +1,7 @@
 // A stand-in for the server, speaking docs/reference/protocol.md, to work on the page without one and to test what a real server
 // seldom does. Started like the real one: fake_server.mjs serve [SCENE] --listen 127.0.0.1:PORT
-// HELIOGRAPH_FAKE_OMIT leaves settings out of the table (names with commas); HELIOGRAPH_FAKE_TOKEN is a token to ask for.
+// HELIOGRAPH_FAKE_OMIT leaves settings out of the table (names with commas); HELIOGRAPH_FAKE_TOKEN is a token to ask for;
+// HELIOGRAPH_FAKE_SET are settings to start with, as JSON.
 
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
@@ -38,7 +39,10 @@ const START = {
 };
 
 class FakeViewer {
-  settings = Object.fromEntries(SCHEMA.map((row) => [row.name, row.default]));
+  settings = {
+    ...Object.fromEntries(SCHEMA.map((row) => [row.name, row.default])),
+    ...JSON.parse(process.env.HELIOGRAPH_FAKE_SET ?? '{}'),
+  };
   camera = START;
   size = null;
   inputId = 0;
@@ -203,6 +207,7 @@ class FakeViewer {
   }
 
   focus({ x, y, inputId }) {
+    if (y < 0.1) return this.refuse('focus: nothing is there, allowed: a place where something is seen', 'focus', inputId);
     this.settings.focusDistance = 1 + 10 * y + x;
     this.changed(inputId);
     this.say({ type: 'settings', values: this.settings, inputId });

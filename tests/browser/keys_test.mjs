@@ -63,7 +63,7 @@ async function buttons(checks, session) {
     expect((await pressed(page, 'Stats')) === before, 'not pressed by Enter alone');
   });
   await checks.check('Enter in a number field sets the value, and W flies', async () => {
-    const field = session.field('exposure').locator('input[type=number]');
+    const field = session.field('exposure').locator('.number-field');
     await field.fill('1');
     await field.press('Enter');
     await until('the echo', 5000, async () => (await session.state()).settings.exposure === 1);

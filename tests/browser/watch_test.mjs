@@ -39,7 +39,7 @@ class Tab {
   }
 
   async set(name, value) {
-    const input = this.page.locator(`[data-setting="${name}"]`).locator('input[type=number]');
+    const input = this.page.locator(`[data-setting="${name}"]`).locator('.number-field');
     await input.fill(String(value));
     await input.press('Enter');
     await until(`the echo of ${name}`, 5000, async () => (await this.state()).settings[name] === value);

@@ -39,8 +39,11 @@ export interface ControllerHooks {
   schedule(): void;
   /** One call of `rest` after `ms`, replacing an earlier one; null cancels. */
   restAfter(ms: number | null): void;
-  /** `eventTime`: when the oldest input in this camera happened, performance.now() milliseconds. */
-  send(camera: Camera, moving: boolean, eventTime: number): void;
+  /**
+   * `eventTime`: when the oldest input in this camera happened, performance.now() milliseconds; null: it came by no motion of
+   * the viewer.
+   */
+  send(camera: Camera, moving: boolean, eventTime: number | null): void;
   /** The camera or the mode changed, for the panels. */
   changed(): void;
 }
@@ -53,6 +56,8 @@ const ROLL_SPEED = Math.PI / 3; // radians per second
 const LOOK_SPEED = Math.PI / 3; // radians per second with the arrow keys
 const FIELD_OF_VIEW_SPEED = 30; // degrees per second
 const MOUSE_GAIN = 2; // mouse-look turns this much more than the picture under the pointer
+const FINGER_GAIN = 2.5;
+const PINCH_GAIN = 0.2; // scene radii for fingers that move e times as far apart
 const ORBIT_PER_HEIGHT = Math.PI; // radians for a drag over the whole height
 const WHEEL_NOTCH = 100; // wheel pixels of one notch
 const ZOOM_PER_NOTCH = 1.15;
@@ -110,24 +115,23 @@ export class CameraController {
   }
 
   /** Jumps to a viewpoint; sent at once as a resting camera. */
-  jump(camera: Camera, time: number): void {
+  jump(camera: Camera): void {
     this.camera_ = camera;
     this.distance_ = pivotDistance(camera, this.bounds_, this.radius_);
-    this.dirty_ = false;
-    this.finish(time);
+    this.finish(null);
     this.hooks_.changed();
   }
 
   /** Sends the present camera again, as after a reconnect. */
-  resend(time: number): void {
-    this.finish(time);
+  resend(): void {
+    this.finish(null);
   }
 
   setFieldOfView(degrees: number, time: number): void {
     this.change(withFieldOfView(this.camera_, degrees), time);
   }
 
-  /** A drag by CSS pixels. `grab`: the picture sticks to the finger; else the view turns towards the drag. */
+  /** A drag by CSS pixels. `grab`: the picture follows the finger; else the view turns towards the drag. */
   turn(dx: number, dy: number, grab: boolean, time: number): void {
     const height = this.viewHeight_;
     if (this.mode_ === 'orbit') {
@@ -136,7 +140,7 @@ export class CameraController {
       return;
     }
     const perPixel = (this.camera_.fieldOfView * Math.PI) / 180 / height;
-    const angle = perPixel * (grab ? -1 : MOUSE_GAIN);
+    const angle = perPixel * (grab ? -FINGER_GAIN : MOUSE_GAIN);
     this.change(lookOnScreen(this.camera_, dx * angle, -dy * angle), time);
   }
 
@@ -156,6 +160,12 @@ export class CameraController {
       return;
     }
     this.change(move(this.camera_, 0, 0, Math.log(factor) * 0.5 * this.radius_), time);
+  }
+
+  /** Two fingers move `factor` times as far apart. */
+  pinch(factor: number, time: number): void {
+    if (this.mode_ === 'orbit') this.zoom(factor, time);
+    else this.change(move(this.camera_, 0, 0, Math.log(factor) * PINCH_GAIN * this.radius_), time);
   }
 
   /** `pixels` of wheel travel, > 0 away from the scene. */
@@ -236,7 +246,7 @@ export class CameraController {
     this.schedule();
   }
 
-  private finish(time: number): void {
+  private finish(time: number | null): void {
     this.dirty_ = false;
     this.moving_ = false;
     this.hooks_.restAfter(null);

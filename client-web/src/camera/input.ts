@@ -125,7 +125,7 @@ class PointerTracker {
     const before = Math.hypot(pointer.x - other.x, pointer.y - other.y);
     const after = Math.hypot(event.clientX - other.x, event.clientY - other.y);
     this.controller_.pan((event.clientX - pointer.x) / 2, (event.clientY - pointer.y) / 2, event.timeStamp);
-    if (before > 1 && after > 1) this.controller_.zoom(after / before, event.timeStamp);
+    if (before > 1 && after > 1) this.controller_.pinch(after / before, event.timeStamp);
   }
 }
 

@@ -17,7 +17,7 @@ function afterClick(canvas: HTMLCanvasElement, event: MouseEvent): void {
 }
 
 function afterKey(canvas: HTMLCanvasElement, event: KeyboardEvent): void {
-  if (!(event.target instanceof HTMLInputElement) || event.target.type !== 'number') return;
+  if (!(event.target instanceof Element) || event.target.getAttribute('role') !== 'spinbutton') return;
   if (event.key !== 'Enter' && event.key !== 'Escape') return;
   event.preventDefault();
   canvas.focus({ preventScroll: true }); // which tells the field that its value is meant

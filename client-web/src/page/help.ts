@@ -39,6 +39,8 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     rows: [
       [['O'], 'fly or orbit mode'],
       [['R'], 'reset the view'],
+      [['Ctrl Z'], 'take the last change of settings back'],
+      [['Esc'], 'back to the picture'],
       [['P'], 'show which device made which part'],
       [['F1'], 'hide or show the panels'],
       [['F2'], 'start or stop the benchmark path'],
@@ -47,6 +49,12 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     ],
   },
 ];
+
+/** Where there is no mouse, what fingers do comes first. */
+const sections = (): typeof SECTIONS =>
+  window.matchMedia('(pointer: coarse)').matches
+    ? [...SECTIONS.filter(({ title }) => title === 'Touch'), ...SECTIONS.filter(({ title }) => title !== 'Touch')]
+    : SECTIONS;
 
 export class HelpDialog {
   readonly element: HTMLDialogElement;
@@ -61,9 +69,14 @@ export class HelpDialog {
       'dialog',
       { class: 'help', 'aria-labelledby': 'help-title' },
       el('header', {}, el('h2', { id: 'help-title' }, 'Keys and gestures'), close),
-      el('div', { class: 'help-grid' }, ...SECTIONS.map((section) => this.section(section.title, section.rows))),
+      el('div', { class: 'help-grid' }, ...sections().map((section) => this.section(section.title, section.rows))),
     );
     close.addEventListener('click', () => this.element.close());
+    this.element.addEventListener('keydown', (event) => {
+      if (event.code !== 'KeyH' && event.key !== '?') return;
+      event.stopPropagation();
+      this.element.close();
+    });
     this.element.addEventListener('click', (event) => {
       if (event.target === this.element) this.element.close();
     });

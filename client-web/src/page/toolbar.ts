@@ -56,7 +56,7 @@ export class SceneBar {
     const cameras = this.viewer_.state.ready?.cameras ?? [];
     const named = cameras.map((camera) => ({
       label: displayName(camera.name),
-      choose: () => this.viewer_.controller.jump(camera, performance.now()),
+      choose: () => this.viewer_.controller.jump(camera),
     }));
     return [{ label: 'Reset view', hint: 'R', choose: () => this.viewer_.resetView() }, ...named];
   }

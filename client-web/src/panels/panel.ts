@@ -33,6 +33,11 @@ export class Panel {
     );
     this.element = el('section', { class: 'panel', id: `${name_}-panel`, 'aria-label': title }, this.head_, this.body);
     this.head_.addEventListener('click', () => this.setOpen(!this.open_));
+    this.element.addEventListener('keydown', (event) => {
+      if (event.key !== 'Escape' || event.defaultPrevented) return;
+      if (NARROW.matches) this.setOpen(false); // a sheet covers the picture
+      document.querySelector<HTMLElement>('body > canvas')?.focus({ preventScroll: true });
+    });
     group_.push(this);
     NARROW.addEventListener('change', () => this.restore());
     this.restore();

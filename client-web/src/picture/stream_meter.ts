@@ -16,7 +16,19 @@ export class StreamMeter {
   readonly receivedRate = new RateMeter(2000); // bytes
   readonly trace = new FrameTrace();
   readonly recentFrames: Frame[] = []; // newest last, at most STAGES_KEPT
+  private interval_ = 0; // ms between the newest two frames
   lastPresentedAt = -Infinity; // ms, the clock of `presented`
+
+  /**
+   * Frames shown per second at `now`, below one where they come seldom; null where none has come for long. A pause of
+   * `restMs` is a rest.
+   */
+  shownRate(now: number, restMs: number): number | null {
+    const pause = now - this.lastPresentedAt;
+    if (pause > restMs) return null;
+    const frames = this.presentedRate.events(now);
+    return frames > 1 ? frames : 1000 / Math.max(pause, this.interval_, 1000);
+  }
 
   /**
    * A frame that came at `arrived` is on the screen since `time`; answers its motion to photon, or null where it shows no new
@@ -30,6 +42,7 @@ export class StreamMeter {
     if (this.recentFrames.length > STAGES_KEPT) this.recentFrames.shift();
     this.presentedRate.push(time, 1);
     // A pause between inputs is no slow frame.
+    this.interval_ = Number.isFinite(this.lastPresentedAt) ? time - this.lastPresentedAt : 0;
     if (time - this.lastPresentedAt < PAUSE) this.frameIntervals.push(time - this.lastPresentedAt);
     this.lastPresentedAt = time;
     return this.motionToPhoton.presented(frame.inputId, time);

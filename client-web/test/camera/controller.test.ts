@@ -7,7 +7,7 @@ import { length, subtract } from '../../src/camera/vector.js';
 
 /** A controller whose animation frames and pauses the test runs by hand. */
 function setUp() {
-  const sent: { camera: Camera; moving: boolean; eventTime: number }[] = [];
+  const sent: { camera: Camera; moving: boolean; eventTime: number | null }[] = [];
   let scheduled = 0;
   let rest: number | null = null;
   const controller = new CameraController({
@@ -106,7 +106,7 @@ test('CameraController: while the server moves the camera, input is ignored', ()
 
 test('CameraController: zooming in orbit mode never reaches the pivot', () => {
   const { controller } = setUp();
-  controller.jump({ ...DEFAULT_CAMERA, position: [0, 0, 20] }, 0);
+  controller.jump({ ...DEFAULT_CAMERA, position: [0, 0, 20] });
   controller.setMode('orbit');
   for (let i = 0; i < 200; i += 1) controller.wheel(-100, i);
   const z = controller.camera.position[2];
@@ -116,15 +116,28 @@ test('CameraController: zooming in orbit mode never reaches the pivot', () => {
 test('CameraController: jump is sent at once as resting, resend repeats it', () => {
   const { controller, sent } = setUp();
   const camera: Camera = { ...DEFAULT_CAMERA, position: [1, 2, 3] };
-  controller.jump(camera, 7);
-  controller.resend(9);
+  controller.jump(camera);
+  controller.resend();
   assert.deepEqual(
-    sent.map((entry) => [entry.camera, entry.moving]),
+    sent.map((entry) => [entry.camera, entry.moving, entry.eventTime]),
     [
-      [camera, false],
-      [camera, false],
+      [camera, false, null], // no motion of the viewer, whose delay would be measured
+      [camera, false, null],
     ],
   );
+});
+
+test('CameraController: a finger turns enough to look around, a pinch comes nearer by small steps', () => {
+  const { controller } = setUp();
+  controller.viewHeight = 844; // a phone
+  controller.turn(100, 0, true, 0);
+  const [x, , z] = controller.camera.forward;
+  const degrees = (Math.abs(Math.atan2(x, -z)) * 180) / Math.PI;
+  assert.ok(degrees > 14 && degrees < 25, `${degrees} degrees for 100 pixels`);
+  const before = controller.camera.position;
+  controller.pinch(5, 1); // fingers from 60 to 300 pixels
+  const way = length(subtract(controller.camera.position, before));
+  assert.ok(way > 1 && way < 4, `${way} of a radius of 10`);
 });
 
 /** What a long press says after each step; `elapsed` only where a timer runs. */

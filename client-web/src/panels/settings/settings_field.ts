@@ -3,6 +3,7 @@
 import { el, icon, setText, uniqueId } from '../../page/dom.js';
 import { settingNumber } from '../../page/format.js';
 import type { SettingRow, SettingValue } from '../../wire/protocol.js';
+import { parseNumber } from './number_text.js';
 import { fromSlider, SLIDER_STEPS, stepped, toSlider } from './slider_scale.js';
 
 const PRICES: Readonly<Record<string, { readonly tag: string; readonly text: string }>> = {
@@ -47,7 +48,11 @@ export class SettingField {
       },
       icon('reset'),
     );
-    this.reset_.addEventListener('click', () => hooks_.changed(hooks_.preset?.() ?? row_.default));
+    this.reset_.addEventListener('click', () => {
+      const focused = document.activeElement === this.reset_;
+      hooks_.changed(hooks_.preset?.() ?? row_.default);
+      if (focused) this.control_.focus(); // the button goes, and would take the focus along
+    });
     const label = el('label', { for: id }, row_.label);
     const built =
       row_.type === 'bool'
@@ -146,39 +151,46 @@ export class SettingField {
     const row = this.row_;
     const unit = row.unit === '' ? '' : ` ${row.unit}`;
     const number = el('input', {
-      type: 'number',
+      type: 'text', // a number field of the browser reads 0,5 as 5
+      class: 'number-field',
+      role: 'spinbutton',
       id,
-      step: row.type === 'int' ? 1 : 'any',
-      min: row.low,
-      max: row.high,
+      'aria-valuemin': row.low,
+      'aria-valuemax': row.high,
       inputmode: 'decimal',
+      autocomplete: 'off',
     });
     const slider = el('input', { type: 'range', min: 0, max: SLIDER_STEPS, step: 'any', 'aria-label': row.label });
     let value = typeof row.default === 'number' ? row.default : row.low;
     number.addEventListener('change', () => {
-      if (number.value.trim() === '' || !Number.isFinite(number.valueAsNumber)) {
+      const typed = parseNumber(number.value);
+      if (typed === null) {
         number.value = settingNumber(value);
         this.hooks_.invalid(
           `${row.name}: not a number, allowed: ${settingNumber(row.low)} to ${settingNumber(row.high)}`,
         );
       } else {
-        this.hooks_.changed(number.valueAsNumber);
+        this.hooks_.changed(typed);
       }
     });
     slider.addEventListener('input', () => {
       const next = fromSlider(row, slider.valueAsNumber);
       if (next !== value) this.hooks_.changed(next);
     });
-    slider.addEventListener('keydown', (event) => {
-      const direction = SLIDER_KEYS[event.code];
+    const step = (event: KeyboardEvent, keys: Readonly<Record<string, number>>): void => {
+      const direction = keys[event.code];
       if (direction === undefined) return;
       event.preventDefault();
       this.hooks_.changed(stepped(row, value, Math.sign(direction), Math.abs(direction) > 1));
-    });
+      number.value = settingNumber(value);
+    };
+    slider.addEventListener('keydown', (event) => step(event, SLIDER_KEYS));
+    number.addEventListener('keydown', (event) => step(event, NUMBER_KEYS));
     const show = (next: SettingValue): void => {
       if (typeof next !== 'number') return;
       value = next;
-      if (document.activeElement !== number || Number(number.value) !== next) number.value = settingNumber(next);
+      if (document.activeElement !== number || parseNumber(number.value) !== next) number.value = settingNumber(next);
+      number.setAttribute('aria-valuenow', settingNumber(next));
       const position = toSlider(row, next);
       if (document.activeElement !== slider || Math.abs(slider.valueAsNumber - position) > 5)
         slider.value = String(position);
@@ -197,11 +209,5 @@ interface Built {
   readonly show: (value: SettingValue) => void;
 }
 
-const SLIDER_KEYS: Readonly<Record<string, number>> = {
-  ArrowLeft: -1,
-  ArrowDown: -1,
-  ArrowRight: 1,
-  ArrowUp: 1,
-  PageDown: -2,
-  PageUp: 2,
-};
+const NUMBER_KEYS: Readonly<Record<string, number>> = { ArrowDown: -1, ArrowUp: 1, PageDown: -2, PageUp: 2 };
+const SLIDER_KEYS: Readonly<Record<string, number>> = { ...NUMBER_KEYS, ArrowLeft: -1, ArrowRight: 1 };

@@ -15,6 +15,8 @@ const sameValue = (a: SettingValue | undefined, b: SettingValue): boolean =>
 export class SettingsModel {
   private rows_: readonly SettingRow[] = [];
   private confirmed_: Record<string, SettingValue> = {};
+  private defaults_: Record<string, SettingValue> = {}; // of this server: its --set counts
+  private greeted_ = false; // it has said them
   private readonly pending_ = new Map<string, Pending>();
   private readonly errors_ = new Map<string, string>();
   /** Names that this viewer has set to something else than the server's default: restored after a reconnect. */
@@ -23,9 +25,11 @@ export class SettingsModel {
   setSchema(rows: readonly SettingRow[]): void {
     this.rows_ = rows.filter((row) => row.acts !== 'command');
     this.confirmed_ = {};
+    this.defaults_ = {};
+    this.greeted_ = false;
     this.pending_.clear();
     this.errors_.clear();
-    for (const row of this.rows_) this.confirmed_[row.name] = row.default;
+    for (const row of this.rows_) this.confirmed_[row.name] = this.defaults_[row.name] = row.default;
   }
 
   get rows(): readonly SettingRow[] {
@@ -45,11 +49,22 @@ export class SettingsModel {
   }
 
   isDefault(row: SettingRow): boolean {
-    return sameValue(this.value(row.name), row.default);
+    return sameValue(this.value(row.name), this.default(row));
+  }
+
+  /** What this server starts with, which its operator may have set. */
+  default(row: SettingRow): SettingValue {
+    return this.defaults_[row.name] ?? row.default;
   }
 
   defaults(): SettingValues {
-    return Object.fromEntries(this.rows_.map((row) => [row.name, row.default]));
+    return Object.fromEntries(this.rows_.map((row) => [row.name, this.default(row)]));
+  }
+
+  /** The present values of these settings. */
+  valuesOf(names: readonly string[]): SettingValues {
+    const known = names.map((name) => [name, this.value(name)] as const).filter(([, value]) => value !== undefined);
+    return Object.fromEntries(known) as SettingValues;
   }
 
   /** The viewer sets values; they are shown until the server answers the message `inputId`. */
@@ -64,6 +79,8 @@ export class SettingsModel {
   /** The server's word on all values, in answer to message `inputId` where it answers one. */
   echo(values: SettingValues, inputId: number | null): void {
     this.confirmed_ = { ...this.confirmed_, ...values };
+    if (!this.greeted_) this.defaults_ = { ...this.defaults_, ...values };
+    this.greeted_ = true;
     for (const [name, pending] of this.pending_) {
       const answered = inputId !== null ? pending.inputId <= inputId : sameValue(this.confirmed_[name], pending.value);
       if (answered) this.pending_.delete(name);
@@ -93,7 +110,7 @@ export class SettingsModel {
   private fallBack(name: string): void {
     this.pending_.delete(name);
     const truth = this.confirmed_[name];
-    if (truth === undefined || sameValue(this.rows_.find((row) => row.name === name)?.default, truth)) {
+    if (truth === undefined || sameValue(this.defaults_[name], truth)) {
       this.wanted_.delete(name);
     } else {
       this.wanted_.set(name, truth);

@@ -2,7 +2,7 @@
 // among the rest.
 
 import { FIELD_OF_VIEW_HIGH, FIELD_OF_VIEW_LOW } from '../../camera/camera.js';
-import { el, icon, setText } from '../../page/dom.js';
+import { el, icon, iconButton, setText } from '../../page/dom.js';
 import { withoutUse } from './hybrid_rows.js';
 import type { Panel } from '../panel.js';
 import type { SettingRow } from '../../wire/protocol.js';
@@ -39,6 +39,8 @@ const FIELD_OF_VIEW_ROW: SettingRow = {
   choices: [],
 };
 
+const DEFAULT_RESOLUTION: ResolutionMode = 'capped';
+
 export class SettingsPanel {
   private readonly fields_ = new Map<string, SettingField>();
   private fieldOfView_: SettingField | null = null;
@@ -46,6 +48,7 @@ export class SettingsPanel {
   private resolution_ = el('span', { class: 'resolution' });
   private sizes_: HTMLSelectElement | null = null;
   private reset_: HTMLButtonElement | null = null;
+  private undo_: HTMLButtonElement | null = null;
 
   constructor(
     private readonly panel_: Panel,
@@ -79,7 +82,7 @@ export class SettingsPanel {
       ...groups
         .filter(({ fields }) => fields.length > 0)
         .map(({ name, fields }) => this.group(name, TITLES[name] ?? name, fields)),
-      this.resetButton(),
+      el('div', { class: 'row-of-buttons' }, this.undoButton(), this.resetButton()),
     );
     this.refresh();
     this.noteEffects();
@@ -105,6 +108,7 @@ export class SettingsPanel {
   private field(row: SettingRow): SettingField {
     const field = new SettingField(row, {
       changed: (value) => this.viewer_.setSettings({ [row.name]: value }),
+      preset: () => this.viewer_.settings.default(row),
       invalid: (message) => {
         this.viewer_.settings.reject(row.name, message);
         this.refresh();
@@ -150,13 +154,32 @@ export class SettingsPanel {
 
   private resetButton(): HTMLElement {
     const button = el('button', { type: 'button', class: 'wide-button' }, icon('reset'), 'Reset to defaults');
-    button.addEventListener('click', () => this.viewer_.setSettings(this.viewer_.settings.defaults()));
+    button.addEventListener('click', () => this.reset());
     this.reset_ = button;
     return button;
   }
 
+  private undoButton(): HTMLElement {
+    const button = iconButton('undo', 'Undo', 'Ctrl Z', 'wide-button');
+    button.addEventListener('click', () => this.viewer_.undoSettings());
+    this.undo_ = button;
+    return button;
+  }
+
+  /** Settings, field of view and picture size. */
+  private reset(): void {
+    const viewer = this.viewer_;
+    viewer.setSettings(viewer.settings.defaults());
+    viewer.controller.setFieldOfView(this.presetFieldOfView(), performance.now());
+    if (this.sizes_ === null || this.sizes_.value === DEFAULT_RESOLUTION) return;
+    this.sizes_.value = DEFAULT_RESOLUTION;
+    remember('resolution', DEFAULT_RESOLUTION);
+    viewer.setResolutionMode(DEFAULT_RESOLUTION);
+  }
+
   private refresh(): void {
     const model = this.viewer_.settings;
+    if (this.undo_ !== null) this.undo_.setAttribute('aria-disabled', String(this.viewer_.undo.size === 0));
     for (const row of model.rows) {
       const field = this.fields_.get(row.name);
       const value = model.value(row.name);
@@ -212,5 +235,5 @@ export class SettingsPanel {
 
 /** The mode that was chosen last time in this browser. */
 export function storedResolutionMode(): ResolutionMode {
-  return RESOLUTION_MODES.find(({ mode }) => mode === recall('resolution'))?.mode ?? 'capped';
+  return RESOLUTION_MODES.find(({ mode }) => mode === recall('resolution'))?.mode ?? DEFAULT_RESOLUTION;
 }

@@ -11,8 +11,18 @@ export interface DeviceRow {
   readonly note: string;
 }
 
-/** One row per device: by its share of the work where the server states that, else by its tiles. */
-export function deviceRows(tiles: Numbers, parts: readonly DevicePart[]): readonly DeviceRow[] {
+/**
+ * One row per device: by its share of the work where the server states that, else by its tiles. `kinds`: of the devices
+ * that made the newest picture, none: not known; tiles of others are of the past.
+ */
+export function deviceRows(
+  all: Numbers,
+  parts: readonly DevicePart[],
+  kinds: readonly string[] = [],
+): readonly DeviceRow[] {
+  const present = ([device]: readonly [string, number]): boolean =>
+    kinds.length === 0 || kinds.includes(device.split(':')[0]!) || parts.some((part) => part.device === device);
+  const tiles: Numbers = Object.fromEntries(Object.entries(all).filter(present));
   const total = Object.values(tiles).reduce((sum, value) => sum + value, 0);
   const stated = parts.map((part) => partRow(part, tiles[part.device] ?? 0));
   const others = Object.entries(tiles)

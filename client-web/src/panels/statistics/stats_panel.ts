@@ -16,8 +16,9 @@ import type { Viewer } from '../../viewer.js';
 import './stats_panel.css';
 
 const REFRESH_MS = 250;
-/** Without a frame for this long the picture counts as resting, ms. */
+/** Without a frame for this long the picture counts as resting, ms; after its last one, and while it may still refine. */
 const IDLE_AFTER = 1500;
+const REFINING_IDLE_AFTER = 15_000;
 
 const STAGES: readonly { readonly name: string; readonly label: string; readonly help: string }[] = [
   { name: 'queue', label: 'Waiting', help: 'From the input to the start of tracing' },
@@ -55,6 +56,13 @@ class Figure {
     );
   }
 }
+
+/** Two digits below ten, none where they would round to nothing. */
+const rateText = (rate: number): string => (rate < 10 ? rate.toFixed(1) : rate.toFixed(0));
+
+/** `target` 0: not known yet. */
+const samplesText = (samples: number, target: number): string =>
+  target > 0 ? `${whole(samples)} / ${whole(target)}` : whole(samples);
 
 /** How many are at the server, and how many of them watch this view. */
 const viewersText = ({ viewers, watchers }: Stats): string =>
@@ -121,23 +129,21 @@ export class StatsPanel {
 
   /** Frames shown per second, null while the picture rests. */
   private shownRate(): number | null {
-    const now = performance.now();
-    return now - this.viewer_.stream.lastPresentedAt > IDLE_AFTER
-      ? null
-      : this.viewer_.stream.presentedRate.events(now);
+    const done = this.viewer_.state.lastFrame?.final ?? true;
+    return this.viewer_.stream.shownRate(performance.now(), done ? IDLE_AFTER : REFINING_IDLE_AFTER);
   }
 
   private refreshSummary(rate: number | null): void {
     const { lastFrame, connection } = this.viewer_.state;
     if (connection.name !== 'open' || lastFrame === null) return setText(this.panel_.summary, 'no picture yet');
     const median = this.viewer_.stream.motionToPhoton.window.quantile(0.5);
-    const parts = [rate === null ? 'at rest' : `${rate.toFixed(0)} /s`, median === null ? '' : milliseconds(median)];
+    const parts = [rate === null ? 'at rest' : `${rateText(rate)} /s`, median === null ? '' : milliseconds(median)];
     setText(this.panel_.summary, parts.filter((part) => part !== '').join(' · '));
   }
 
   private refreshFigures(rate: number | null): void {
     const { stats } = this.viewer_.state;
-    setText(this.rate_.value, rate === null ? UNKNOWN : rate.toFixed(0));
+    setText(this.rate_.value, rate === null ? UNKNOWN : rateText(rate));
     setText(this.rate_.detail, rate === null ? 'at rest' : 'shown');
     const window = this.viewer_.stream.motionToPhoton.window;
     const median = window.quantile(0.5);
@@ -154,7 +160,7 @@ export class StatsPanel {
     const { lastFrame, stats } = this.viewer_.state;
     const samples = lastFrame?.samples ?? 0;
     const target = stats?.targetSamples ?? Number(this.viewer_.settings.confirmed('samples') ?? 0);
-    setText(this.samples_, lastFrame === null ? UNKNOWN : `${whole(samples)} / ${whole(target)}`);
+    setText(this.samples_, lastFrame === null ? UNKNOWN : samplesText(samples, target));
     this.progress_.value = target > 0 ? Math.min(1, samples / target) : 0;
     const error = lastFrame?.relativeError ?? 1;
     setText(this.error_, error >= 1 ? UNKNOWN : percent(error));
@@ -198,7 +204,7 @@ export class StatsPanel {
 
   private refreshDevices(): void {
     const { stats } = this.viewer_.state;
-    const rows = stats === null ? [] : deviceRows(stats.tiles, stats.parts);
+    const rows = stats === null ? [] : deviceRows(stats.tiles, stats.parts, this.viewer_.state.lastFrame?.devices ?? []);
     this.devices_.keep(rows.map((row) => row.device));
     for (const { device, share, text, note } of rows) {
       this.devices_.row(device, { label: device, share, text, color: deviceColor(device), keyed: true, note });

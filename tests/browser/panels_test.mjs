@@ -1,0 +1,167 @@
+// What the page's panels and dialogs do by keyboard, in small windows and in colours of the viewer's own, against the fake
+// server. Part of client_test.mjs; run alone: node tests/browser/panels_test.mjs.
+
+import { pathToFileURL } from 'node:url';
+import { Session } from './fake_session.mjs';
+import { badControls, overlaps } from './look.mjs';
+import { Checks, expect, pause, until } from './page.mjs';
+
+const DESKTOP = { width: 1440, height: 900 };
+const focused = (page) => page.evaluate(() => document.activeElement.tagName);
+
+async function numbers(checks, session) {
+  const { page } = session;
+  const field = session.field('exposure').locator('.number-field');
+  const is = (value) =>
+    until(`exposure ${value}`, 5000, async () => (await session.state()).settings.exposure === value);
+  await checks.check('a decimal comma is one, and arrows step by the range', async () => {
+    await field.fill('0,5');
+    await field.press('Enter');
+    await is(0.5);
+    await field.focus();
+    await page.keyboard.press('ArrowUp');
+    await until('a step', 5000, async () => (await session.state()).settings.exposure > 0.5);
+    const { exposure } = (await session.state()).settings;
+    expect(exposure < 0.9, `from 0.5 to ${exposure} in one step`);
+  });
+  await checks.check('reset goes to what the server was started with, field of view and size too', async () => {
+    await page.locator('#resolution-mode').selectOption('half');
+    await session.field('fieldOfView').locator('.number-field').fill('90');
+    await session.field('fieldOfView').locator('.number-field').press('Enter');
+    await page.getByRole('button', { name: 'Reset to defaults' }).click();
+    await is(0.25);
+    const { fieldOfView } = (await session.state()).camera;
+    expect(Math.abs(fieldOfView - 50) < 0.01, `field of view ${fieldOfView}`);
+    expect((await page.locator('#resolution-mode').inputValue()) === 'capped', 'the size stays');
+  });
+  await checks.check('Control Z and the button take changes back', async () => {
+    await field.fill('2');
+    await field.press('Enter');
+    await is(2);
+    await page.keyboard.press('Control+z');
+    await is(0.25);
+    await page.getByRole('button', { name: 'Undo' }).click(); // the reset of before
+    await until('the value of before', 5000, async () => (await session.state()).settings.exposure > 0.5);
+    await page.getByRole('button', { name: 'Reset to defaults' }).click();
+  });
+  await checks.check('the reset of one field keeps the focus', async () => {
+    await field.fill('1');
+    await field.press('Enter');
+    await is(1);
+    await session.field('exposure').locator('.reset').focus();
+    await page.keyboard.press('Enter');
+    await is(0.25);
+    const name = await page.evaluate(() => document.activeElement.closest('[data-setting]')?.dataset.setting);
+    expect(name === 'exposure', `the focus is at ${name}`);
+  });
+}
+
+async function keyboard(checks, session) {
+  const { page } = session;
+  await checks.check('Escape in a panel goes back to the picture', async () => {
+    await session.field('shadows').locator('input').focus();
+    await page.keyboard.press('Escape');
+    expect((await focused(page)) === 'CANVAS', `${await focused(page)} has the focus`);
+  });
+  await checks.check('H closes the help that it opened; F1 and F2 do nothing behind it', async () => {
+    await page.keyboard.press('h');
+    await page.keyboard.press('F1');
+    await page.keyboard.press('F2');
+    await pause(200);
+    expect(await page.locator('dialog.help').isVisible(), 'no help');
+    expect(await page.evaluate(() => !document.querySelector('#page').classList.contains('bare')), 'F1 hid the panels');
+    expect(!(await session.state()).pathPlaying, 'F2 started the path');
+    await page.keyboard.press('h');
+    expect(await page.locator('dialog.help').isHidden(), 'the help stays');
+  });
+  await checks.check('at most 25 tab stops from the picture to the dock', async () => {
+    await page.locator('body > canvas').focus();
+    let stops = 0;
+    for (; stops < 100; stops += 1) {
+      await page.keyboard.press('Tab');
+      if (await page.evaluate(() => document.activeElement.closest('.dock') !== null)) break;
+    }
+    expect(stops < 25, `${stops + 1} tab stops`);
+  });
+}
+
+async function words(checks, session) {
+  const { page } = session;
+  await checks.check('before any motion no delay is told, and no target of zero', async () => {
+    const text = await page.locator('#statistics-panel').innerText();
+    expect(text.includes('move to measure'), text);
+    expect(!/\/ 0\b/.test(text), text);
+  });
+  await checks.check('a place in the sky is no error of the protocol', async () => {
+    await page.mouse.dblclick(720, 30);
+    await page.locator('.toast.notice', { hasText: 'Nothing to focus on there' }).waitFor({ timeout: 5000 });
+    expect((await page.locator('.toast.error').count()) === 0, 'an error is shown');
+  });
+}
+
+async function looks(checks, session) {
+  const { page } = session;
+  await checks.check('in forced colours switches, sliders and pressed buttons are seen', async () => {
+    await page.emulateMedia({ forcedColors: 'active' });
+    const style = (selector, name) =>
+      page.locator(selector).first().evaluate((element, key) => getComputedStyle(element)[key], name);
+    expect((await style('.switch', 'borderTopStyle')) === 'solid', 'a switch without an edge');
+    const on = await style('.switch:checked', 'backgroundColor');
+    const off = await style('.switch:not(:checked)', 'backgroundColor');
+    expect(on !== off, `on and off are both ${on}`);
+    expect((await style('.dock .tool[aria-pressed=true]', 'outlineStyle')) === 'solid', 'pressed is not seen');
+    await session.screenshot('forced-colors');
+    await page.emulateMedia({ forcedColors: 'none', contrast: 'more' });
+    await session.screenshot('more-contrast');
+    await page.emulateMedia({ contrast: 'no-preference' });
+  });
+  for (const [width, height] of [
+    [320, 256],
+    [320, 180],
+    [390, 844],
+    [1280, 720],
+  ]) {
+    await checks.check(`${width} x ${height}: every control is named, inside and not covered`, async () => {
+      await page.setViewportSize({ width, height });
+      await pause(400);
+      await session.screenshot(`page-${width}x${height}`);
+      expect(await page.locator('.dock').isVisible(), 'no dock');
+      const bad = [...(await badControls(page)), ...(await overlaps(page))];
+      expect(bad.length === 0, bad.join('\n'));
+    });
+  }
+  await checks.check('the settings are usable at 400 % zoom', async () => {
+    await page.setViewportSize({ width: 320, height: 180 });
+    const dock = page.locator('.dock').getByRole('button', { name: 'Settings' });
+    if ((await dock.getAttribute('aria-pressed')) !== 'true') await dock.click();
+    await pause(300);
+    await session.screenshot('zoom-settings');
+    const box = await page.locator('#settings-panel .panel-body').boundingBox();
+    expect(box !== null && box.height >= 60, `${box?.height} px of settings`);
+    await page.keyboard.press('Escape');
+  });
+}
+
+/** Runs everything; failures and passes are counted in `checks`. */
+export async function panelChecks(checks) {
+  const session = new Session();
+  try {
+    const set = { HELIOGRAPH_FAKE_SET: '{"exposure":0.25}' };
+    if (!(await checks.check('the page is ready for panels', () => session.start(DESKTOP, {}, set)))) return;
+    await words(checks, session);
+    await numbers(checks, session);
+    await keyboard(checks, session);
+    await looks(checks, session);
+    await checks.check('nothing was wrong in the browser\u2019s console (panels)', async () => {
+      expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
+    });
+  } finally {
+    await session.stop();
+  }
+}
+
+if (import.meta.url === pathToFileURL(process.argv[1]).href) {
+  const checks = new Checks();
+  await panelChecks(checks);
+  checks.finish();
+}
