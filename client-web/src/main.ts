@@ -20,6 +20,7 @@ import { Toasts } from './page/toast.js';
 import { Dock, SceneBar, type DockHooks } from './page/toolbar.js';
 import { traceFile } from './picture/frame_trace.js';
 import { Viewer } from './viewer.js';
+import { copyText, ViewLink } from './page/view_link.js';
 import './page/access.css'; // after what it says otherwise
 
 const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg' } as const;
@@ -83,6 +84,11 @@ function attachMessages(viewer: Viewer, toasts: Toasts, announce: (text: string)
   });
 }
 
+async function copyLink(link: string, toasts: Toasts): Promise<void> {
+  const done = await copyText(link);
+  toasts.show('notice', done ? 'The link to this view is in the clipboard.' : 'Copy the address of this page: it is the view.');
+}
+
 /** Control or Command with Z. */
 function attachUndo(viewer: Viewer): void {
   window.addEventListener('keydown', (event) => {
@@ -100,6 +106,7 @@ function start(): void {
   viewer.on(['hello'], () => knowDevices(viewer.state.hello?.devices ?? []));
   exposeDiagnostics(viewer);
 
+  const link = new ViewLink(viewer);
   const toasts = new Toasts();
   const live = el('div', { class: 'sr-only', role: 'status', 'aria-live': 'polite' });
   const announce = (text: string): void => setText(live, text);
@@ -127,7 +134,7 @@ function start(): void {
   page.append(
     partition.overlay,
     partition.card,
-    new SceneBar(viewer).element,
+    new SceneBar(viewer, () => void copyLink(link.link(), toasts)).element,
     dock.element, // before the panels, whose many fields would stand between it and the picture
     statistics.element,
     el('div', { class: 'column' }, settings.element, effects.element),

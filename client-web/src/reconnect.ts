@@ -13,6 +13,7 @@ const SHOW: SceneStep = { show: true, ask: null };
 export class Restoring {
   private scene_: string | null = null;
   private asked_ = false;
+  private looked_ = true;
   private kept_: SceneMessage | null = null;
 
   /** While true, frames show another scene than the one that was looked at. */
@@ -20,9 +21,10 @@ export class Restoring {
     return this.scene_ !== null;
   }
 
-  /** A new connection is open; `scene` was shown on the one before. */
-  begin(scene: string): void {
+  /** A new connection is open; `scene` was shown on the one before. `looked`: from a place that is to stay. */
+  begin(scene: string, looked = true): void {
     this.scene_ = scene;
+    this.looked_ = looked;
     this.asked_ = false;
     this.kept_ = null;
   }
@@ -49,7 +51,7 @@ export class Restoring {
 
   /** Scene `name` is shown. True when it is the one from before, which is looked at from where it was. */
   finish(name: string): boolean {
-    const restored = this.scene_ === name;
+    const restored = this.scene_ === name && this.looked_;
     this.cancel();
     return restored;
   }

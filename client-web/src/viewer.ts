@@ -121,8 +121,33 @@ export class Viewer {
     this.connection_.setToken(token);
   }
 
+  /** A view, as an address states it: of the scene that is shown or another one. `camera` null: the scene's own. */
+  lookAt(scene: string, camera: Camera | null): void {
+    if (this.watching.active) return;
+    if (this.state.readyName === scene) {
+      this.restoring_.cancel();
+      const own = this.state.ready?.camera ?? null;
+      if ((camera ?? own) !== null) this.controller.jump((camera ?? own)!);
+      return;
+    }
+    if (camera !== null) {
+      this.controller.place(camera);
+      this.restoring_.begin(scene);
+    } else if (this.state.hello === null) {
+      this.restoring_.begin(scene, false);
+    }
+    this.connection_.send({ type: 'scene', name: scene });
+  }
+
+  /** The viewer asks for a viewpoint. */
+  jumpTo(camera: Camera): void {
+    this.emit('jump');
+    this.controller.jump(camera);
+  }
+
   openScene(name: string): void {
     if (this.drivenByOthers()) return;
+    this.emit('jump');
     this.restoring_.cancel();
     this.connection_.send({ type: 'scene', name });
   }
@@ -217,7 +242,7 @@ export class Viewer {
 
   resetView(): void {
     if (this.drivenByOthers()) return;
-    if (this.state.ready !== null) this.controller.jump(this.state.ready.camera);
+    if (this.state.ready !== null) this.jumpTo(this.state.ready.camera);
   }
 
   /** Says so where another viewer drives. */
@@ -314,6 +339,7 @@ export class Viewer {
     this.connection_.confirm();
     const before = this.state.hello;
     this.state.hello = hello;
+    this.state.ownScene = '';
     this.settings.setSchema(hello.schema);
     this.tellClient();
     const watched = this.watching.begin();
@@ -356,6 +382,7 @@ export class Viewer {
   }
 
   private scene(message: SceneMessage): void {
+    if (this.state.ownScene === '') this.state.ownScene = message.name;
     const { show, ask } = this.restoring_.step(message, this.state.hello?.scenes.map((entry) => entry.name) ?? []);
     if (ask !== null) this.connection_.send({ type: 'scene', name: ask });
     if (!show) return;

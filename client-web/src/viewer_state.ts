@@ -16,6 +16,7 @@ export type Topic =
   | 'partition'
   | 'effectCosts'
   | 'camera'
+  | 'jump' // the viewer is about to leave for another viewpoint or scene
   | 'resolution'
   | 'watching';
 
@@ -27,6 +28,7 @@ export interface ViewerState {
   scene: SceneMessage | null; // the newest word on it
   ready: SceneReady | null; // of the scene that is shown
   readyName: string;
+  ownScene: string; // that the server opened by itself
   stats: Stats | null;
   pathPlaying: boolean;
   pathResult: PathResult | null;
@@ -47,6 +49,7 @@ export function initialState(resolutionMode: ResolutionMode): ViewerState {
     scene: null,
     ready: null,
     readyName: '',
+    ownScene: '',
     stats: null,
     pathPlaying: false,
     pathResult: null,

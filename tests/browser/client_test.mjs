@@ -7,6 +7,7 @@ import { join } from 'node:path';
 import { fakeChecks } from './fake_test.mjs';
 import { doorChecks } from './door_test.mjs';
 import { keyChecks } from './keys_test.mjs';
+import { linkChecks } from './link_test.mjs';
 import { panelChecks } from './panels_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
@@ -395,5 +396,6 @@ try {
   await keyChecks(checks);
   await doorChecks(checks);
   await panelChecks(checks);
+  await linkChecks(checks);
   checks.finish();
 }

@@ -122,6 +122,12 @@ export class CameraController {
     this.hooks_.changed();
   }
 
+  /** A viewpoint of a scene that is yet to come; not sent. */
+  place(camera: Camera): void {
+    this.camera_ = camera;
+    this.hooks_.changed();
+  }
+
   /** Sends the present camera again, as after a reconnect. */
   resend(): void {
     this.finish(null);

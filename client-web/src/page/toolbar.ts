@@ -15,7 +15,11 @@ export class SceneBar {
   private readonly sceneLabel_ = el('span', { class: 'picker-label' }, '…');
   private readonly info_: InfoPopover;
 
-  constructor(private readonly viewer_: Viewer) {
+  /** `copyLink`: the address of this view to the clipboard. */
+  constructor(
+    private readonly viewer_: Viewer,
+    copyLink: () => void,
+  ) {
     const sceneButton = el(
       'button',
       { type: 'button', class: 'picker', title: 'Choose a scene' },
@@ -29,7 +33,9 @@ export class SceneBar {
     const cameras = new Menu(cameraButton, 'Viewpoints', () => this.cameraItems());
     this.info_ = new InfoPopover(viewer_);
     const brand = el('span', { class: 'brand' }, icon('sun'), el('span', { class: 'brand-name' }, 'Heliograph'));
-    const parts = [brand, scenes.element, cameras.element, this.info_.element, new LimitBadge(viewer_).element];
+    const link = iconButton('link', 'Copy link', '', 'tool icon-only');
+    link.addEventListener('click', copyLink);
+    const parts = [brand, scenes.element, cameras.element, link, this.info_.element, new LimitBadge(viewer_).element];
     this.element = el('header', { class: 'bar top-bar' }, ...parts);
     viewer_.on(['scene', 'hello'], () => this.refresh());
   }
@@ -56,7 +62,7 @@ export class SceneBar {
     const cameras = this.viewer_.state.ready?.cameras ?? [];
     const named = cameras.map((camera) => ({
       label: displayName(camera.name),
-      choose: () => this.viewer_.controller.jump(camera),
+      choose: () => this.viewer_.jumpTo(camera),
     }));
     return [{ label: 'Reset view', hint: 'R', choose: () => this.viewer_.resetView() }, ...named];
   }
