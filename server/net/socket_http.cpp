@@ -22,13 +22,12 @@ constexpr unsigned HEADER_BYTES = 4096;   // room for the headers of an answer
 
 constexpr std::pair<const char*, const char*> SECURITY_HEADERS[] = {
     {"content-security-policy:",
-     "default-src 'self'; img-src 'self' blob: data:; connect-src 'self' ws: wss:; style-src 'self'; script-src 'self'; "
+     "default-src 'self'; img-src 'self' blob: data:; connect-src 'self'; style-src 'self'; script-src 'self'; "
      "worker-src 'self' blob:; frame-ancestors 'none'"},
     {"x-content-type-options:", "nosniff"},
     {"referrer-policy:", "no-referrer"},
     {"cross-origin-opener-policy:", "same-origin"},
     {"cross-origin-resource-policy:", "same-origin"},
-    {"cache-control:", "no-store"},
 };
 
 /// The library keeps path and query under the method's name.
@@ -44,9 +43,10 @@ bool addHeader(lws* wsi, const char* name, std::string_view value, unsigned char
                                        &at, end) == 0;
 }
 
-/// Status line and headers; `retryAfter` seconds where not zero. False where they do not fit.
-bool addHeaders(lws* wsi, unsigned status, const std::string& mimeType, size_t bytes, double retryAfter, unsigned char*& at,
-                unsigned char* end) {
+/// Status line and headers; `retryAfter` seconds where not zero; `more` of a file, which is kept, while other answers are not.
+/// False where they do not fit.
+bool addHeaders(lws* wsi, unsigned status, const std::string& mimeType, size_t bytes, double retryAfter,
+                const std::vector<std::pair<const char*, std::string>>& more, unsigned char*& at, unsigned char* end) {
     if (lws_add_http_common_headers(wsi, status, mimeType.c_str(), bytes, &at, end)) return false;
     if (status == 401 && !addHeader(wsi, "www-authenticate:", "Bearer realm=\"heliograph\"", at, end)) return false;
     if (status == 426 &&
@@ -55,6 +55,9 @@ bool addHeaders(lws* wsi, unsigned status, const std::string& mimeType, size_t b
     if (status == 405 && !addHeader(wsi, "allow:", "GET, HEAD", at, end)) return false;
     const std::string seconds = std::to_string(static_cast<int>(std::ceil(retryAfter)));
     if (retryAfter > 0.0 && !addHeader(wsi, "retry-after:", seconds, at, end)) return false;
+    if (more.empty()) return addHeader(wsi, "cache-control:", "no-store", at, end);
+    for (const auto& [name, value] : more)
+        if (!addHeader(wsi, name, value, at, end)) return false;
     return true;
 }
 
@@ -148,7 +151,22 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
     if (link != links_.end() && link->second.reserved) return tooManyConnections(wsi);
     auto file = options_.files.find(path);
     if (file == options_.files.end()) return answer(wsi, 404, "text/plain", {"not found\n", {}, 0});
-    return answer(wsi, 200, file->second.mimeType, {{}, file->second.bytes, 0});
+    return clientFile(wsi, path, file->second);
+}
+
+/// As compressed as the browser takes it; 304 where it has it.
+int SocketLoop::clientFile(lws* wsi, std::string_view path, const ClientFile& file) {
+    const EncodedFile body = encodedFor(file, headerOf(wsi, WSI_TOKEN_HTTP_ACCEPT_ENCODING));
+    Answer content{{}, body.bytes, 0};
+    const char* keep = namesItsContent(path) ? "public, max-age=31536000, immutable" : "no-cache";
+    content.headers = {{"cache-control:", keep}, {"vary:", "accept-encoding"}};
+    if (!file.tag.empty()) content.headers.emplace_back("etag:", file.tag);
+    if (!file.tag.empty() && headerOf(wsi, WSI_TOKEN_HTTP_IF_NONE_MATCH).find(file.tag) != std::string::npos) {
+        content.bytes = {};
+        return answer(wsi, 304, file.mimeType, std::move(content));
+    }
+    if (body.encoding != nullptr) content.headers.emplace_back("content-encoding:", body.encoding);
+    return answer(wsi, 200, file.mimeType, std::move(content));
 }
 
 int SocketLoop::answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content) {
@@ -158,7 +176,7 @@ int SocketLoop::answer(lws* wsi, unsigned status, const std::string& mimeType, A
     unsigned char buffer[LWS_PRE + HEADER_BYTES];
     unsigned char *begin = buffer + LWS_PRE, *at = begin, *end = buffer + sizeof buffer - 1;
     const double retryAfter = status == 503 ? 1.0 : 0.0;
-    if (!addHeaders(wsi, status, mimeType, kept.bytes.size(), retryAfter, at, end)) return -1;
+    if (!addHeaders(wsi, status, mimeType, kept.bytes.size(), retryAfter, kept.headers, at, end)) return -1;
     if (lws_finalize_write_http_header(wsi, begin, &at, end)) return -1;
     if (head || kept.bytes.empty()) {
         answers_.erase(wsi);
@@ -269,7 +287,7 @@ int SocketLoop::sayLast(lws* wsi, unsigned status, const std::string& mimeType, 
     const bool head = lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) > 0;
     unsigned char buffer[LWS_PRE + HEADER_BYTES];
     unsigned char *begin = buffer + LWS_PRE, *at = begin, *end = buffer + sizeof buffer - 1;
-    if (!addHeaders(wsi, status, mimeType, body.size(), retryAfter, at, end)) return -1;
+    if (!addHeaders(wsi, status, mimeType, body.size(), retryAfter, {}, at, end)) return -1;
     if (lws_finalize_write_http_header(wsi, begin, &at, end)) return -1;
     if (head) return 1;
     std::memcpy(begin, body.data(), std::min<size_t>(body.size(), HEADER_BYTES));

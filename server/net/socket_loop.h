@@ -30,6 +30,7 @@ struct Answer {
     std::string own;         // bytes made for it
     std::string_view bytes;  // `own` or a file's
     size_t offset = 0;
+    std::vector<std::pair<const char*, std::string>> headers = {};  // of a file; none: nobody keeps the answer
 };
 
 /// What a connection says before it has said the token: its first message is kept.
@@ -132,6 +133,7 @@ private:
     std::string guardedAddress(lws* wsi) const;
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
+    int clientFile(lws* wsi, std::string_view path, const ClientFile& file);
     int upgrade(lws* wsi);
     int whyNot(lws* wsi);
     int tooManyConnections(lws* wsi);

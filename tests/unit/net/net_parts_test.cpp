@@ -94,6 +94,31 @@ TEST(ClientFiles, ServesWhatLiesInTheFolderAndNothingElse) {
     EXPECT_EQ(files.at("/app.js").mimeType, "text/javascript; charset=utf-8");
 }
 
+TEST(ClientFiles, CompressedFormsAreNoFilesOfTheirOwn) {
+    Folder folder;
+    folder.write("index.html", "<p>hello, hello, hello");
+    folder.write("index.html.gz", "gzipped");
+    folder.write("index.html.br", "brotli");
+    folder.write("lonely.gz", "1");
+    const ClientFiles files = readClientFiles(folder.path.string());
+    EXPECT_EQ(files.size(), 3u);
+    EXPECT_TRUE(files.contains("/lonely.gz"));
+    const ClientFile& page = files.at("/");
+    EXPECT_EQ(page.tag.size(), 20u);
+    EXPECT_EQ(encodedFor(page, "").bytes, page.bytes);
+    EXPECT_EQ(encodedFor(page, "gzip").bytes, "gzipped");
+    EXPECT_EQ(encodedFor(page, "gzip;q=1.0, br;q=0.5").bytes, "brotli");
+    EXPECT_EQ(encodedFor(page, "br;q=0, gzip;q=0.0").bytes, page.bytes);
+    EXPECT_EQ(encodedFor(page, "xbr, brx").bytes, page.bytes);
+}
+
+TEST(ClientFiles, OnlyNamesWithAHashNameTheirContent) {
+    EXPECT_TRUE(namesItsContent("/app-RO42B3C3.js"));
+    for (const char* path :
+         {"/", "/index.html", "/app.js", "/app-RO42B3C.js", "/app-ro42b3c3.js", "/app-RO42B3C3", "/a-b/x.js"})
+        EXPECT_FALSE(namesItsContent(path)) << path;
+}
+
 TEST(ClientFiles, RefusesAFolderWithoutIndexAndTooLargeFiles) {
     Folder folder;
     EXPECT_THROW(readClientFiles(folder.path.string()), InputError);

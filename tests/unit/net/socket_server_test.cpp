@@ -108,7 +108,9 @@ TEST(SocketServer, ServesTheClientWithStrictHeaders) {
     EXPECT_EQ(page.status, 200);
     EXPECT_EQ(page.body, "<p>hello");
     EXPECT_EQ(page.header("content-type"), "text/html; charset=utf-8");
-    EXPECT_EQ(page.header("cache-control"), "no-store");
+    EXPECT_EQ(page.header("cache-control"), "no-cache");
+    EXPECT_THAT(page.header("content-security-policy"), HasSubstr("connect-src 'self';"));
+    EXPECT_EQ(WebClient(s.port()).get("/healthz").header("cache-control"), "no-store");
     EXPECT_EQ(page.header("x-content-type-options"), "nosniff");
     EXPECT_THAT(page.header("content-security-policy"), HasSubstr("default-src 'self'"));
     EXPECT_THAT(page.header("content-security-policy"), HasSubstr("frame-ancestors 'none'"));
@@ -140,8 +142,38 @@ TEST(SocketServer, HeadHasNoBodyAndPostIsRefused) {
     EXPECT_EQ(post.readAnswer().status, 405);
 }
 
+/// Asks for the file with these headers.
+HttpAnswer fetched(int port, const std::string& path, const std::string& headers) {
+    WebClient client(port);
+    client.send("GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + headers + "\r\n");
+    return client.readAnswer();
+}
+
+TEST(SocketServer, FilesAreCompressedAndKept) {
+    SocketOptions one = options();
+    ClientFile& script = one.files["/app-1A2B3C4D.js"];
+    script = {"text/javascript; charset=utf-8", std::string(1000, 'x'), "gzipped form", "brotli", "W/\"12\""};
+    one.files["/"].tag = "W/\"34\"";
+    Server s(one);
+    const HttpAnswer plain = fetched(s.port(), "/app-1A2B3C4D.js", "");
+    EXPECT_EQ(plain.body.size(), 1000u);
+    EXPECT_EQ(plain.header("content-encoding"), "");
+    EXPECT_EQ(plain.header("cache-control"), "public, max-age=31536000, immutable");
+    EXPECT_EQ(plain.header("vary"), "accept-encoding");
+    const HttpAnswer gzip = fetched(s.port(), "/app-1A2B3C4D.js", "Accept-Encoding: deflate, gzip\r\n");
+    EXPECT_EQ(gzip.body, "gzipped form");
+    EXPECT_EQ(gzip.header("content-encoding"), "gzip");
+    EXPECT_EQ(gzip.header("content-type"), "text/javascript; charset=utf-8");
+    EXPECT_EQ(fetched(s.port(), "/app-1A2B3C4D.js", "Accept-Encoding: gzip, deflate, br\r\n").body, "brotli");
+    EXPECT_EQ(fetched(s.port(), "/", "").header("etag"), "W/\"34\"");
+    const HttpAnswer same = fetched(s.port(), "/", "If-None-Match: W/\"34\"\r\n");
+    EXPECT_EQ(same.status, 304);
+    EXPECT_EQ(same.body, "");
+    EXPECT_EQ(fetched(s.port(), "/", "If-None-Match: W/\"33\"\r\n").status, 200);
+}
+
 /// What a page hears that asks why its WebSocket was refused.
-HttpAnswer asksWhy(uint16_t port, const std::string& origin) {
+HttpAnswer asksWhy(int port, const std::string& origin) {
     WebClient page(port);
     page.send("POST /ws HTTP/1.1\r\nHost: localhost\r\nOrigin: " + origin + "\r\nContent-Length: 0\r\n\r\n");
     return page.readAnswer();
