@@ -16,6 +16,7 @@ import { knowDevices } from './panels/device_colors.js';
 import { displayName, fileName } from './page/scene_name.js';
 import { SettingsPanel, storedResolutionMode } from './panels/settings/settings_panel.js';
 import { StatsPanel } from './panels/statistics/stats_panel.js';
+import { recall, remember } from './page/storage.js';
 import { Toasts } from './page/toast.js';
 import { Dock, SceneBar, type DockHooks } from './page/toolbar.js';
 import { traceFile } from './picture/frame_trace.js';
@@ -60,6 +61,19 @@ const sharing = (viewer: Viewer, toasts: Toasts): Pick<DockHooks, 'share' | 'sav
   saveTrace: () => void toasts.show('notice', `Saved ${saveTrace(viewer)}`),
 });
 
+/** For who sees the page for the first time in this browser. */
+function hint(toasts: Toasts): void {
+  if (recall('hint') !== null) return;
+  remember('hint', 'seen');
+  const touch = window.matchMedia('(pointer: coarse)').matches;
+  toasts.show(
+    'notice',
+    touch
+      ? 'One finger looks around, two move. Viewpoint, Reset view leads back.'
+      : 'Drag to look around, W A S D to move, R leads back, H lists all keys.',
+  );
+}
+
 /** Messages, pictures that arrive, and what a screen reader hears. */
 function attachMessages(viewer: Viewer, toasts: Toasts, announce: (text: string) => void): void {
   viewer.onMessage = ({ kind, text }) => void toasts.show(kind, text);
@@ -77,6 +91,7 @@ function attachMessages(viewer: Viewer, toasts: Toasts, announce: (text: string)
     if (scene?.state !== 'ready' || ready === null || readyName === announced) return;
     announced = readyName;
     announce(`${displayName(readyName)} is shown.`);
+    hint(toasts);
     const warnings = ready.warnings.length;
     const [first] = ready.warnings;
     if (first === undefined) return;
@@ -97,6 +112,12 @@ function attachUndo(viewer: Viewer): void {
     event.preventDefault();
     viewer.undoSettings();
   });
+}
+
+function attachPicture(canvas: HTMLCanvasElement, viewer: Viewer): void {
+  attachPointers(canvas, viewer.controller, (x, y) => viewer.focusAt(x, y));
+  attachFocus(canvas);
+  attachUndo(viewer);
 }
 
 function start(): void {
@@ -145,8 +166,7 @@ function start(): void {
     help.element,
   );
 
-  attachPointers(canvas, viewer.controller, (x, y) => viewer.focusAt(x, y));
-  attachFocus(canvas);
+  attachPicture(canvas, viewer);
   attachKeyboard(viewer.controller, {
     F1: togglePanels,
     F2: () => viewer.togglePath(),
@@ -155,9 +175,9 @@ function start(): void {
     '?': () => help.toggle(),
     KeyO: () => dock.toggleMode(),
     KeyR: () => viewer.resetView(),
+    KeyV: () => viewer.frameAll(),
     KeyP: () => viewer.togglePartition(),
   });
-  attachUndo(viewer);
   viewer.connect();
 }
 

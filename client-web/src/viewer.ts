@@ -2,7 +2,7 @@
 // changes by topic. The rules between the two stand in reconnect.ts and frames.ts.
 
 import { CameraController } from './camera/camera_controller.js';
-import type { Camera } from './camera/camera.js';
+import { framing, type Camera } from './camera/camera.js';
 import { Display } from './picture/display.js';
 import { Frames } from './frames.js';
 import { EffectCostModel } from './panels/effects/effect_costs.js';
@@ -26,7 +26,7 @@ import { pictureSize, type ResolutionMode } from './picture/resolution.js';
 import { SettingsModel } from './panels/settings/settings_model.js';
 import { UndoStack } from './panels/settings/undo.js';
 import { ShownPartition } from './panels/partition/shown_partition.js';
-import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
+import { focusRefused, initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
 import { DRIVEN_BY_OTHERS, viewOf, Watching, withoutView, withView } from './watching.js';
@@ -34,10 +34,6 @@ import { Connection, socketUrl, type ConnectionState } from './wire/socket.js';
 import { keepToken, takeToken, tokenOf } from './wire/token.js';
 
 const RESIZE_DELAY = 150; // ms
-
-/** In the viewer's words: a place in the sky cannot be focused on. */
-const focusRefused = (message: string): string =>
-  message.includes('nothing is there') ? 'Nothing to focus on there: choose a place where something is seen.' : message;
 
 export class Viewer {
   readonly state: ViewerState;
@@ -238,6 +234,13 @@ export class Viewer {
     this.watching.leave();
     history.replaceState(null, '', withoutView(location.href));
     this.connection_.send({ type: 'watch', inputId: this.nextInputId() });
+  }
+
+  /** All of the scene, in the direction that is looked in. */
+  frameAll(): void {
+    const { ready, resolution } = this.state;
+    if (this.drivenByOthers() || ready === null) return;
+    this.jumpTo(framing(this.controller.camera, ready.bounds, resolution.width / resolution.height));
   }
 
   resetView(): void {
@@ -459,10 +462,7 @@ export class Viewer {
   private sendCamera(camera: Camera, moving: boolean, eventTime: number | null): void {
     if (this.watching.active) return;
     const inputId = this.nextInputId();
-    if (this.connection_.isOpen) {
-      if (eventTime !== null) this.stream.motionToPhoton.sent(inputId, eventTime);
-      this.stream.trace.sent(inputId, eventTime ?? performance.now(), performance.now());
-    }
+    if (this.connection_.isOpen) this.stream.sent(inputId, eventTime, performance.now());
     this.connection_.send({ type: 'camera', inputId, moving, ...camera });
   }
 

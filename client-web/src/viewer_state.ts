@@ -22,6 +22,10 @@ export type Topic =
 
 export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
 
+/** In the viewer's words: a place in the sky cannot be focused on. */
+export const focusRefused = (message: string): string =>
+  message.includes('nothing is there') ? 'Nothing to focus on there: choose a place where something is seen.' : message;
+
 export interface ViewerState {
   connection: ConnectionState;
   hello: Hello | null;

@@ -123,14 +123,41 @@ async function histories(checks, session) {
   });
 }
 
+async function framed(checks, session) {
+  const { page } = session;
+  await checks.check('V brings all of the scene into view, and Back leads back', async () => {
+    const before = await position(session);
+    await page.locator('body > canvas').focus();
+    await page.keyboard.press('v');
+    await session.shown('courtyard');
+    expect(far(await position(session), before) > 0.5, 'the camera did not move');
+    await pause(600);
+    await page.goBack();
+    await until('the place of before', 8000, async () => far(await position(session), before) < 1e-3);
+  });
+  await checks.check('the title says when the picture is done, and the hint comes once', async () => {
+    await until('the mark', 20_000, async () => (await page.title()).startsWith('\u2713 Courtyard'));
+    await page.keyboard.down('w');
+    await until('no mark', 8000, async () => (await page.title()).startsWith('Courtyard'));
+    await page.keyboard.up('w');
+    await page.reload();
+    await session.shown('courtyard');
+    expect((await page.locator('.toast', { hasText: 'Drag to look around' }).count()) === 0, 'the hint again');
+  });
+}
+
 /** Runs everything; failures and passes are counted in `checks`. */
 export async function linkChecks(checks) {
   const session = new Session();
   try {
     if (!(await checks.check('the page is ready for links', () => session.start(DESKTOP)))) return;
+    await checks.check('the first time a hint says how to move', () =>
+      session.page.locator('.toast', { hasText: 'Drag to look around' }).waitFor({ timeout: 5000 }),
+    );
     await reloads(checks, session);
     await links(checks, session);
     await histories(checks, session);
+    await framed(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (links)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
     });

@@ -25,6 +25,15 @@ export const DEFAULT_CAMERA: Camera = { position: [0, 0, 0], forward: [0, 0, -1]
 
 export const rightOf = (camera: Camera): Vec3 => normalize(cross(camera.forward, camera.up));
 
+/** From where all of `bounds` is in view, in the direction that is looked in; `aspect`: width over height. */
+export function framing(camera: Camera, { low, high }: Bounds, aspect: number): Camera {
+  const center = scale(add(low, high), 0.5);
+  const half = (Math.min(camera.fieldOfView, 120) * Math.PI) / 360;
+  const narrow = aspect < 1 ? Math.atan(Math.tan(half) * aspect) : half;
+  const radius = Math.max(length(subtract(high, low)) / 2, 1e-6);
+  return { ...camera, position: subtract(center, scale(camera.forward, radius / Math.sin(narrow))) };
+}
+
 /** Removes the rounding that repeated turns leave. */
 function orthonormal(camera: Camera): Camera {
   const forward = normalize(camera.forward);

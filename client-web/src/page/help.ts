@@ -39,6 +39,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     rows: [
       [['O'], 'fly or orbit mode'],
       [['R'], 'reset the view'],
+      [['V'], 'all of the scene in view'],
       [['Ctrl Z'], 'take the last change of settings back'],
       [['Esc'], 'back to the picture'],
       [['P'], 'show which device made which part'],

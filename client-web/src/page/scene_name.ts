@@ -6,6 +6,10 @@ export function displayName(name: string): string {
   return base.charAt(0).toUpperCase() + base.slice(1);
 }
 
+/** Of the browser's tab; `done`: the picture has all its samples. */
+export const pageTitle = (scene: string, done: boolean): string =>
+  scene === '' ? 'Heliograph' : `${done ? '✓ ' : ''}${displayName(scene)} · Heliograph`;
+
 /** Name for a saved picture; only characters that every file system takes. */
 export function fileName(scene: string, width: number, height: number, samples: number, extension: string): string {
   const base = displayName(scene)

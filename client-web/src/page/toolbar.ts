@@ -5,7 +5,8 @@ import { count, whole } from './format.js';
 import { LimitBadge } from './limit_badge.js';
 import { Menu, type MenuItem } from './menu.js';
 import type { Panel } from '../panels/panel.js';
-import { displayName, spacedWords } from './scene_name.js';
+import { fullScreenButton } from './full_screen.js';
+import { displayName, pageTitle, spacedWords } from './scene_name.js';
 import type { Viewer } from '../viewer.js';
 import './toolbar.css';
 
@@ -35,16 +36,28 @@ export class SceneBar {
     const brand = el('span', { class: 'brand' }, icon('sun'), el('span', { class: 'brand-name' }, 'Heliograph'));
     const link = iconButton('link', 'Copy link', '', 'tool icon-only');
     link.addEventListener('click', copyLink);
-    const parts = [brand, scenes.element, cameras.element, link, this.info_.element, new LimitBadge(viewer_).element];
+    const frame = iconButton('frame', 'Frame all', 'V', 'tool icon-only');
+    frame.addEventListener('click', () => viewer_.frameAll());
+    const views = [cameras.element, frame, fullScreenButton(), link];
+    const parts = [brand, scenes.element, ...views, this.info_.element, new LimitBadge(viewer_).element];
     this.element = el('header', { class: 'bar top-bar' }, ...parts);
     viewer_.on(['scene', 'hello'], () => this.refresh());
+    viewer_.on(['frame'], () => this.title());
   }
 
   private refresh(): void {
     const { scene, readyName } = this.viewer_.state;
     const name = scene === null || scene.state === 'failed' ? readyName : scene.name;
     setText(this.sceneLabel_, name === '' ? '…' : displayName(name));
-    document.title = name === '' ? 'Heliograph' : `${displayName(name)} · Heliograph`;
+    this.title();
+  }
+
+  /** Says so when the picture is done, for who works in another tab meanwhile. */
+  private title(): void {
+    const { scene, readyName, lastFrame } = this.viewer_.state;
+    const name = scene === null || scene.state === 'failed' ? readyName : scene.name;
+    const title = pageTitle(name, scene?.state === 'ready' && lastFrame?.final === true);
+    if (document.title !== title) document.title = title;
   }
 
   private sceneItems(): readonly MenuItem[] {

@@ -3,6 +3,7 @@
 import type { Frame } from '../wire/frame.js';
 import { FrameTrace } from './frame_trace.js';
 import { MotionToPhoton, RateMeter, Window } from './latency.js';
+import { TimeLeft } from './time_left.js';
 
 const PAUSE = 1000; // ms
 const STAGES_KEPT = 30; // frames
@@ -15,9 +16,16 @@ export class StreamMeter {
   readonly presentedRate = new RateMeter(1000);
   readonly receivedRate = new RateMeter(2000); // bytes
   readonly trace = new FrameTrace();
+  readonly timeLeft = new TimeLeft();
   readonly recentFrames: Frame[] = []; // newest last, at most STAGES_KEPT
   private interval_ = 0; // ms between the newest two frames
   lastPresentedAt = -Infinity; // ms, the clock of `presented`
+
+  /** A camera is sent at `time`; `eventTime`: of the motion that made it, null where it came by none. */
+  sent(inputId: number, eventTime: number | null, time: number): void {
+    if (eventTime !== null) this.motionToPhoton.sent(inputId, eventTime);
+    this.trace.sent(inputId, eventTime ?? time, time);
+  }
 
   /**
    * Frames shown per second at `now`, below one where they come seldom; null where none has come for long. A pause of
@@ -41,6 +49,7 @@ export class StreamMeter {
     this.recentFrames.push(frame);
     if (this.recentFrames.length > STAGES_KEPT) this.recentFrames.shift();
     this.presentedRate.push(time, 1);
+    this.timeLeft.shown(frame.samples, time);
     // A pause between inputs is no slow frame.
     this.interval_ = Number.isFinite(this.lastPresentedAt) ? time - this.lastPresentedAt : 0;
     if (time - this.lastPresentedAt < PAUSE) this.frameIntervals.push(time - this.lastPresentedAt);

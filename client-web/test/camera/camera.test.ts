@@ -2,6 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import {
   DEFAULT_CAMERA,
+  framing,
   lengthPerPixel,
   look,
   lookOnScreen,
@@ -11,9 +12,10 @@ import {
   rightOf,
   roll,
   withFieldOfView,
+  type Bounds,
   type Camera,
 } from '../../src/camera/camera.js';
-import { add, cross, dot, length, scale, subtract, type Vec3 } from '../../src/camera/vector.js';
+import { add, cross, dot, length, normalize, scale, subtract, type Vec3 } from '../../src/camera/vector.js';
 
 function close(actual: Vec3, expected: Vec3, tolerance = 1e-9): void {
   assert.ok(
@@ -100,4 +102,21 @@ test('pivotDistance: level with the middle of the scene, never behind the camera
   const bounds = { low: [-1, -1, -11] as Vec3, high: [1, 1, -9] as Vec3 };
   assert.equal(pivotDistance(DEFAULT_CAMERA, bounds, 20), 10);
   assert.equal(pivotDistance({ ...DEFAULT_CAMERA, forward: [0, 0, 1] }, bounds, 20), 2);
+});
+
+test('framing: all of the scene is in view, also in a window that is higher than wide', () => {
+  const bounds: Bounds = { low: [0, 0, 0], high: [2, 4, 6] };
+  const forward = normalize([1, -1, 1]);
+  const up = normalize([1, 2, 1]);
+  for (const aspect of [0.5, 1, 2]) {
+    const camera = framing({ ...DEFAULT_CAMERA, forward, up, fieldOfView: 50 }, bounds, aspect);
+    const tangent = Math.tan((25 * Math.PI) / 180);
+    for (const corner of [0, 1, 2, 3, 4, 5, 6, 7]) {
+      const at: Vec3 = [corner & 1 ? 2 : 0, corner & 2 ? 4 : 0, corner & 4 ? 6 : 0];
+      const to = subtract(at, camera.position);
+      const depth = dot(to, camera.forward);
+      assert.ok(depth > 0 && Math.abs(dot(to, camera.up)) <= depth * tangent * 1.0001, `corner ${corner}`);
+      assert.ok(Math.abs(dot(to, rightOf(camera))) <= depth * tangent * aspect * 1.0001, `corner ${corner}`);
+    }
+  }
 });

@@ -7,6 +7,7 @@ import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from '../../page/dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from '../../page/format.js';
 import { Window } from '../../picture/latency.js';
+import { waitText } from '../../picture/time_left.js';
 import { frameSizeText } from '../../picture/resolution.js';
 import type { Panel } from '../panel.js';
 import type { Frame } from '../../wire/frame.js';
@@ -160,7 +161,9 @@ export class StatsPanel {
     const { lastFrame, stats } = this.viewer_.state;
     const samples = lastFrame?.samples ?? 0;
     const target = stats?.targetSamples ?? Number(this.viewer_.settings.confirmed('samples') ?? 0);
-    setText(this.samples_, lastFrame === null ? UNKNOWN : samplesText(samples, target));
+    const left = lastFrame?.final === false ? this.viewer_.stream.timeLeft.until(target, performance.now()) : null;
+    const wait = left === null ? '' : ` · ${waitText(left)} left`;
+    setText(this.samples_, lastFrame === null ? UNKNOWN : samplesText(samples, target) + wait);
     this.progress_.value = target > 0 ? Math.min(1, samples / target) : 0;
     const error = lastFrame?.relativeError ?? 1;
     setText(this.error_, error >= 1 ? UNKNOWN : percent(error));
