@@ -122,16 +122,14 @@ export class Viewer {
     if (this.watching.active) return;
     if (this.state.readyName === scene) {
       this.restoring_.cancel();
-      const own = this.state.ready?.camera ?? null;
-      if ((camera ?? own) !== null) this.controller.jump((camera ?? own)!);
+      const place = camera ?? this.state.ready?.camera;
+      if (place !== undefined) this.controller.jump(place);
       return;
     }
     if (camera !== null) {
       this.controller.place(camera);
       this.restoring_.begin(scene);
-    } else if (this.state.hello === null) {
-      this.restoring_.begin(scene, false);
-    }
+    } else if (this.state.hello === null) this.restoring_.begin(scene, false);
     this.connection_.send({ type: 'scene', name: scene });
   }
 
