@@ -61,17 +61,18 @@ const sharing = (viewer: Viewer, toasts: Toasts): Pick<DockHooks, 'share' | 'sav
   saveTrace: () => void toasts.show('notice', `Saved ${saveTrace(viewer)}`),
 });
 
-/** For who sees the page for the first time in this browser. */
+/** For who sees the page for the first time in this browser; gone with the first key or press. */
 function hint(toasts: Toasts): void {
   if (recall('hint') !== null) return;
   remember('hint', 'seen');
   const touch = window.matchMedia('(pointer: coarse)').matches;
-  toasts.show(
+  const toast = toasts.show(
     'notice',
     touch
       ? 'One finger looks around, two move. Viewpoint, Reset view leads back.'
       : 'Drag to look around, W A S D to move, R leads back, H lists all keys.',
   );
+  for (const input of ['keydown', 'pointerdown']) window.addEventListener(input, () => toast.close(), { once: true });
 }
 
 /** Messages, pictures that arrive, and what a screen reader hears. */

@@ -151,9 +151,12 @@ export async function linkChecks(checks) {
   const session = new Session();
   try {
     if (!(await checks.check('the page is ready for links', () => session.start(DESKTOP)))) return;
-    await checks.check('the first time a hint says how to move', () =>
-      session.page.locator('.toast', { hasText: 'Drag to look around' }).waitFor({ timeout: 5000 }),
-    );
+    await checks.check('the first time a hint says how to move, until somebody does', async () => {
+      const hint = session.page.locator('.toast', { hasText: 'Drag to look around' });
+      await hint.waitFor({ timeout: 5000 });
+      await session.page.keyboard.press('Shift');
+      expect((await hint.count()) === 0, 'the hint stays');
+    });
     await reloads(checks, session);
     await links(checks, session);
     await histories(checks, session);

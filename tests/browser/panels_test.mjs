@@ -120,6 +120,8 @@ async function looks(checks, session) {
     [320, 180],
     [390, 844],
     [1280, 720],
+    [1100, 700],
+    [900, 600],
   ]) {
     await checks.check(`${width} x ${height}: every control is named, inside and not covered`, async () => {
       await page.setViewportSize({ width, height });
@@ -132,6 +134,8 @@ async function looks(checks, session) {
   }
   await checks.check('the settings are usable at 400 % zoom', async () => {
     await page.setViewportSize({ width: 320, height: 180 });
+    await until('sheets', 5000, () => page.locator('#settings-panel').evaluate((panel) => getComputedStyle(panel).left === '8px'));
+    await pause(200);
     const dock = page.locator('.dock').getByRole('button', { name: 'Settings' });
     if ((await dock.getAttribute('aria-pressed')) !== 'true') await dock.click();
     await pause(300);

@@ -22,8 +22,8 @@ async function set(page, name, value) {
   const field = page.locator(`[data-setting="${name}"]`);
   if (typeof value === 'boolean') await field.locator('input[type=checkbox]').setChecked(value, { force: true });
   else {
-    await field.locator('input[type=number]').fill(String(value));
-    await field.locator('input[type=number]').press('Enter');
+    await field.locator('.number-field').fill(String(value));
+    await field.locator('.number-field').press('Enter');
   }
   await until(`the echo of ${name}`, 10_000, async () => (await stateOf(page)).settings[name] === value);
 }
