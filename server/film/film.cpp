@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace heliograph {
@@ -155,6 +156,16 @@ std::vector<Tile> Film::tilesFor(uint32_t firstSample, uint32_t sampleCount, uve
         }
     }
     return tiles;
+}
+
+std::vector<Tile> Film::lacking(std::span<const Tile> tiles) const {
+    Reading reading(*this);
+    std::vector<Tile> left;
+    std::ranges::copy_if(tiles, std::back_inserter(left), [&](const Tile& tile) {
+        const uvec2 block = tile.origin / BLOCK;
+        return blocks_[static_cast<size_t>(block.y) * blockCount_.x + block.x].samples <= tile.firstSample;
+    });
+    return left;
 }
 
 uint32_t Film::completedSamples() const {

@@ -32,6 +32,8 @@ public:
     uint32_t generation() const { return generation_; }
     /// The whole picture as tiles of `tileSize` pixels (multiples of BLOCK) for samples [first, first + count).
     std::vector<Tile> tilesFor(uint32_t firstSample, uint32_t sampleCount, uvec2 tileSize) const;
+    /// Those of `tiles` whose result is still to be added.
+    std::vector<Tile> lacking(std::span<const Tile> tiles) const;
     /// Samples of the block that is behind most.
     uint32_t completedSamples() const;
     /// Mean radiance, linear, row-major RGB + number of samples in w. Pixels without samples are 0.

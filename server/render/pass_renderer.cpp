@@ -4,13 +4,14 @@
 #include "server/request/device_rows.h"
 #include "server/request/view_request.h"
 
+#include <tbb/combinable.h>
+
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <iterator>
+#include <mutex>
 #include <new>
 #include <stdexcept>
-#include <unordered_set>
 
 namespace heliograph {
 
@@ -30,6 +31,24 @@ double shareOf(const Pass& pass, uint64_t pixels) {
     const uvec2 size = pass.film.resolution();
     return static_cast<double>(pixels) / (static_cast<double>(size.x) * size.y);
 }
+
+uint64_t pixelsOf(const Tile& tile) { return static_cast<uint64_t>(tile.size.x) * tile.size.y; }
+
+/// What the film took of a slice. Tiles come from many threads at once, so each thread gathers for itself.
+struct Gathered {
+    uint64_t pixels = 0;
+    RayCounts rays;
+    uint64_t nonfiniteSamples = 0;
+    double seconds = 0.0;  // thread time
+
+    void add(const TileResult& result) { add({pixelsOf(result.tile), result.rays, result.nonfiniteSamples, result.seconds}); }
+    void add(const Gathered& other) {
+        pixels += other.pixels;
+        rays.add(other.rays);
+        nonfiniteSamples += other.nonfiniteSamples;
+        seconds += other.seconds;
+    }
+};
 
 void begin(ViewMemory& view, const Pass& pass, uvec2 cell) {
     view.costs.begin(pass.film.resolution(), cell);
@@ -113,11 +132,9 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
 /// Returns the tiles that the clock left over.
 std::vector<Tile> PassRenderer::renderSlice(const Pass& pass, std::span<const Tile> tiles, PassFigures& figures,
                                             Partition* partition) {
-    std::mutex mutex;  // of the figures and what follows
-    std::unordered_set<uint64_t> taken;
-    uint64_t pixels = 0;
-    double workerSeconds = 0.0;
-    auto keyOf = [](const Tile& tile) { return static_cast<uint64_t>(tile.origin.y) << 32 | tile.origin.x; };
+    tbb::combinable<Gathered> gathered;
+    std::mutex mutex;  // of the partition and the progress
+    uint64_t told = 0;
     std::stop_source stop;
     std::stop_callback forward(pass.stop, [&] { stop.request_stop(); });
     std::atomic<bool> over{false};
@@ -125,16 +142,12 @@ std::vector<Tile> PassRenderer::renderSlice(const Pass& pass, std::span<const Ti
     auto sink = [&](TileResult&& result) {
         if (slices_ && !over && sliceOver(wallSeconds() - begin, turns_->contended())) over = true, stop.request_stop();
         if (!pass.film.add(result)) return;
+        gathered.local().add(result);
+        if (!partition && !pass.progress) return;
         std::lock_guard lock(mutex);
-        if (turns_) taken.insert(keyOf(result.tile));  // no clock ends a slice without turns
-        pixels += static_cast<uint64_t>(result.tile.size.x) * result.tile.size.y;
-        figures.rays.add(result.rays);
-        figures.lastRays.add(result.rays);
-        figures.nonfiniteSamples += result.nonfiniteSamples;
-        figures.coreSeconds += result.seconds;
-        workerSeconds += result.seconds;
+        told += pixelsOf(result.tile);
         if (partition) partition->note(result.tile, result.device);
-        if (pass.progress) pass.progress(shareOf(pass, donePixels_ + pixels));
+        if (pass.progress) pass.progress(shareOf(pass, donePixels_ + told));
     };
     const ScheduleReport report = pass.renderer.render(pass.request, tiles, pass.view, sink, stop.get_token());
     for (const DeviceReport& device : report.devices) {
@@ -146,16 +159,19 @@ std::vector<Tile> PassRenderer::renderSlice(const Pass& pass, std::span<const Ti
     const double seconds = wallSeconds() - begin;
     figures.lastPassSeconds += seconds;
     figures.renderSeconds += seconds;
-    donePixels_ += pixels;
-    if (pixels > 0) {
-        const double perPixel = seconds / static_cast<double>(pixels);
+    Gathered sum;
+    gathered.combine_each([&](const Gathered& one) { sum.add(one); });
+    figures.rays.add(sum.rays);
+    figures.lastRays.add(sum.rays);
+    figures.nonfiniteSamples += sum.nonfiniteSamples;
+    figures.coreSeconds += sum.seconds;
+    donePixels_ += sum.pixels;
+    if (sum.pixels > 0) {
+        const double perPixel = seconds / static_cast<double>(sum.pixels);
         secondsPerPixel_ = secondsPerPixel_ > 0.0 ? 0.5 * (secondsPerPixel_ + perPixel) : perPixel;
-        workerSecondsPerPixel_ = nextEstimate(workerSecondsPerPixel_, workerSeconds / static_cast<double>(pixels));
+        workerSecondsPerPixel_ = nextEstimate(workerSecondsPerPixel_, sum.seconds / static_cast<double>(sum.pixels));
     }
-    std::vector<Tile> left;
-    if (!over) return left;
-    std::ranges::copy_if(tiles, std::back_inserter(left), [&](const Tile& tile) { return !taken.contains(keyOf(tile)); });
-    return left;
+    return over ? pass.film.lacking(tiles) : std::vector<Tile>();
 }
 
 }  // namespace heliograph

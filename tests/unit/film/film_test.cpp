@@ -141,6 +141,21 @@ TEST(Film, TilesCoverEveryPixelOnce) {
     }
 }
 
+TEST(Film, KnowsWhichTilesOfAPassItStillLacks) {
+    Film film;
+    film.reset(uvec2(40, 24), 1);
+    for (uint32_t sample = 0; sample < 2; sample++) {
+        const std::vector<Tile> tiles = film.tilesFor(sample, 1, uvec2(16));
+        ASSERT_EQ(film.lacking(tiles).size(), tiles.size());
+        for (size_t i = 0; i < tiles.size(); i += 2) EXPECT_TRUE(film.add(resultFor(tiles[i], vec4(1))));
+        const std::vector<Tile> left = film.lacking(tiles);
+        ASSERT_EQ(left.size(), tiles.size() / 2);
+        for (size_t i = 0; i < left.size(); i++) EXPECT_EQ(left[i].origin, tiles[2 * i + 1].origin);
+        for (const Tile& tile : left) EXPECT_TRUE(film.add(resultFor(tile, vec4(1))));
+        EXPECT_TRUE(film.lacking(tiles).empty());
+    }
+}
+
 TEST(Film, RelativeErrorIsTheStandardErrorOverTheMean) {
     Film film;
     film.reset(uvec2(8, 8), 1);
