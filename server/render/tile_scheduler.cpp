@@ -31,11 +31,15 @@ std::vector<uint32_t> wantedOrder(std::span<const Tile> tiles, const ViewMemory&
     }
     const std::vector<uint32_t>& cells = noisy.empty() ? view.costs.fromCentre() : noisy;
     constexpr uint32_t NONE = UINT32_MAX;
-    std::vector<uint32_t> tileOf(cells.size(), NONE), wanted;
-    for (uint32_t i = 0; i < tiles.size(); i++) tileOf[view.costs.cellAt(tiles[i].origin)] = i;
+    // A cell may be cut into several tiles.
+    std::vector<uint32_t> firstOf(cells.size(), NONE), nextOf(tiles.size(), NONE), wanted;
+    for (auto i = static_cast<uint32_t>(tiles.size()); i-- > 0;) {
+        const uint32_t cell = view.costs.cellAt(tiles[i].origin);
+        nextOf[i] = std::exchange(firstOf[cell], i);
+    }
     wanted.reserve(tiles.size());
     for (uint32_t cell : cells) {
-        if (tileOf[cell] != NONE) wanted.push_back(tileOf[cell]);
+        for (uint32_t tile = firstOf[cell]; tile != NONE; tile = nextOf[tile]) wanted.push_back(tile);
     }
     return wanted;
 }

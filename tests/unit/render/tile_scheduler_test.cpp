@@ -369,6 +369,29 @@ TEST_F(Team, NoisyCellsComeFirstWhenRefining) {
     for (uvec2 origin : noisy) EXPECT_NE(std::ranges::find(first, origin), first.end()) << origin.x << ", " << origin.y;
 }
 
+TEST_F(Team, ACellThatIsCutIntoSeveralTilesIsWhole) {
+    add("only", 2);
+    FrameRequest request;
+    request.settings = settings;
+    request.resolution = SIZE;
+    request.generation = 7;
+    film.reset(SIZE, 7);
+    view.costs.begin(SIZE, uvec2(4 * CELL.x, 4 * CELL.y));
+    auto sink = [&](TileResult&& result) {
+        if (!film.add(result)) refused++;
+    };
+    std::stop_source patience;  // a tile that nobody is given would be waited for
+    std::atomic<bool> over{false};
+    std::jthread impatient([&] {
+        if (!test::until([&] { return over.load(); })) patience.request_stop();
+    });
+    const ScheduleResult result =
+        scheduler.render(request, film.tilesFor(0, 1, CELL), candidates(), memory, view, sink, patience.get_token());
+    over = true;
+    EXPECT_TRUE(result.missing.empty()) << result.missing.size() << " tiles";
+    expectFilm(1);
+}
+
 // Random speeds, deaths, stalls, lies and duplicates: every frame is whole, each tile counted once.
 TEST_F(Team, EveryFrameIsWholeWhateverHappens) {
     for (uint32_t seed = 0; seed < 12; seed++) {
