@@ -5,9 +5,7 @@
 
 namespace heliograph {
 
-FilmBudget filmBudget(uint64_t memory, uint64_t places) {
-    return {memory / VIEWER_BYTES_A_PIXEL, std::max<uint64_t>(places, 1)};
-}
+FilmBudget filmBudget(uint64_t memory, uint64_t places) { return {memory / VIEW_BYTES_A_PIXEL, std::max<uint64_t>(places, 1)}; }
 
 uint64_t filmMemory(uint64_t wanted, uint64_t usable) {
     constexpr uint64_t UNKNOWN = 2ull << 30;
@@ -17,13 +15,27 @@ uint64_t filmMemory(uint64_t wanted, uint64_t usable) {
 
 uint64_t guaranteedPixels(const FilmBudget& budget) { return budget.pixels / 4 / budget.places; }
 
-uint64_t grantedPixels(uint64_t wanted, std::span<const uint64_t> others, const FilmBudget& budget) {
+uint64_t watcherPixels(uint64_t pixels) {
+    return (pixels * CODING_BYTES_A_PIXEL + VIEW_BYTES_A_PIXEL - 1) / VIEW_BYTES_A_PIXEL;
+}
+
+uint64_t grantedPixels(const ViewShare& wanted, std::span<const ViewShare> others, const FilmBudget& budget) {
     const uint64_t guaranteed = guaranteedPixels(budget);
-    uint64_t reserved = 0;
-    for (uint64_t pixels : others) reserved += std::max(pixels, guaranteed);
-    if (budget.places > others.size() + 1) reserved += (budget.places - others.size() - 1) * guaranteed;
-    const uint64_t left = budget.pixels > reserved ? budget.pixels - reserved : 0;
-    return std::min(wanted, std::max(left, guaranteed));
+    uint64_t reserved = 0, taken = 1 + wanted.watchers;
+    for (const ViewShare& view : others) {
+        reserved += std::max(view.pixels, guaranteed) + view.watchers * std::max(watcherPixels(view.pixels), guaranteed);
+        taken += 1 + view.watchers;
+    }
+    if (budget.places > taken) reserved += (budget.places - taken) * guaranteed;
+    uint64_t left = budget.pixels > reserved ? budget.pixels - reserved : 0;
+    // Small pictures: what is guaranteed to their places suffices for the watchers. Of large ones each has its part.
+    uint64_t most = left > wanted.watchers * guaranteed ? left - wanted.watchers * guaranteed : 0;
+    if (watcherPixels(most) > guaranteed) {
+        const uint64_t bytes = bytesOf({1, wanted.watchers});
+        left -= std::min(left, wanted.watchers);  // rounding up
+        most = left / bytes * VIEW_BYTES_A_PIXEL + left % bytes * VIEW_BYTES_A_PIXEL / bytes;
+    }
+    return std::min(wanted.pixels, std::max(most, guaranteed));
 }
 
 uvec2 largestSize(uvec2 wanted, uint64_t pixels) {

@@ -93,6 +93,12 @@ void addState(const ServerState& state, Families& out) {
     out.gauge("heliograph_viewers_limit", "Viewers that are let in.", static_cast<double>(state.mostViewers));
     out.gauge("heliograph_film_pixels", "Pixels of film granted to viewers.", static_cast<double>(state.filmPixels));
     out.gauge("heliograph_film_pixels_limit", "Pixels of film for all viewers.", static_cast<double>(state.mostFilmPixels));
+    out.gauge("heliograph_views", "Views with a picture or somebody who looks, those kept for who may come back, too.",
+              static_cast<double>(state.views));
+    out.gauge("heliograph_picture_memory_bytes", "What the pictures of views and the bytes made of them may take.",
+              static_cast<double>(state.pictureBytes));
+    out.gauge("heliograph_picture_memory_limit_bytes", "The same for all viewers that fit.",
+              static_cast<double>(state.mostPictureBytes));
     out.gauge("heliograph_resident_scenes", "Scenes ready to be rendered.", static_cast<double>(state.residentScenes));
     out.gauge("heliograph_scene_loads_waiting", "Scenes being loaded or waiting for that.",
               static_cast<double>(state.loadsWaiting));

@@ -13,7 +13,9 @@ namespace heliograph {
 struct ServerState {
     bool ready = false;
     size_t viewers = 0, mostViewers = 0;
+    size_t views = 0;  // those kept for who may come back, too
     uint64_t filmPixels = 0, mostFilmPixels = 0;
+    uint64_t pictureBytes = 0, mostPictureBytes = 0;
     size_t residentScenes = 0, loadsWaiting = 0;
     // Of the process.
     uint64_t residentBytes = 0;

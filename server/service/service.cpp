@@ -154,19 +154,27 @@ uint64_t Service::grantPixels(uint32_t view, uint64_t wanted) {
 
 uint64_t Service::grant(uint32_t view, uint64_t wanted) {
     std::lock_guard lock(mutex_);
-    std::vector<uint64_t> others;
-    for (const auto& [other, count] : pixels_) {
-        if (other != view) others.push_back(count);
-    }
-    const FilmBudget budget = filmBudget(options_.pictureBytes, current_.access.maxViewers);
-    return pixels_[view] = std::max<uint64_t>(grantedPixels(wanted, others, budget), 1);
+    return memory_.grant(view, wanted, current_.access.maxViewers);
+}
+
+std::shared_ptr<void> Service::look(uint32_t view) {
+    if (!tryLook(view) && !(endKeptViews() && tryLook(view))) return nullptr;
+    return {this, [view](Service* service) {
+                std::lock_guard lock(service->mutex_);
+                service->memory_.lookAway(view);
+            }};
+}
+
+bool Service::tryLook(uint32_t view) {
+    std::lock_guard lock(mutex_);
+    return memory_.look(view, current_.access.maxViewers);
 }
 
 void Service::viewEnded(std::shared_ptr<View> view) {
     views_.remove(*view);
     {
         std::lock_guard lock(mutex_);
-        pixels_.erase(view->number());
+        memory_.end(view->number());
         ended_.push_back(std::move(view));
     }
     someEnded_.notify_all();
@@ -271,7 +279,10 @@ std::string Service::metricsText() {
         state.viewers = sessions_.size();
         state.mostViewers = current_.access.maxViewers;
         state.mostFilmPixels = filmBudget(options_.pictureBytes, current_.access.maxViewers).pixels;
-        for (const auto& [view, pixels] : pixels_) state.filmPixels += pixels;
+        state.filmPixels = memory_.pixels();
+        state.views = memory_.views();
+        state.pictureBytes = memory_.bytes();
+        state.mostPictureBytes = memory_.mostBytes();
     }
     return heliograph::metricsText(metricFamilies(metrics_, state));
 }

@@ -2,6 +2,7 @@
 // The server put together: scenes, viewers and the port.
 
 #include "server/service/kept_views.h"
+#include "server/service/picture_memory.h"
 #include "server/service/scene_cache.h"
 #include "server/base/log.h"
 #include "server/net/guard/rate_limit.h"
@@ -65,6 +66,7 @@ private:
     std::vector<std::string> devices() const override { return options_.devices.words; }
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
     uint64_t grantPixels(uint32_t view, uint64_t wanted) override;
+    std::shared_ptr<void> look(uint32_t view) override;
     void viewEnded(std::shared_ptr<View> view) override;
     void viewLeft(std::shared_ptr<View> view) override;
     size_t viewerCount() const override;
@@ -88,6 +90,7 @@ private:
     nlohmann::ordered_json viewersJson() const;
     bool disconnect(uint32_t viewer);
     uint64_t grant(uint32_t view, uint64_t wanted);
+    bool tryLook(uint32_t view);
     bool endViews(KeptViews::Views views);
     bool endKeptViews();
     void openForAdmin(const std::string& name);
@@ -108,8 +111,8 @@ private:
     std::condition_variable_any someEnded_;
     std::vector<std::shared_ptr<Session>> sessions_;
     std::vector<std::shared_ptr<void>>
-        ended_;                            // sessions and views to be destroyed by the reaper, which waits for their threads
-    std::map<uint32_t, uint64_t> pixels_;  // granted, by view
+        ended_;  // sessions and views to be destroyed by the reaper, which waits for their threads
+    PictureMemory memory_{options_.pictureBytes};
     KeptViews keptViews_;
     ServiceReload current_{options_.socket, options_.defaults, options_.watchdog};
     struct Entry {

@@ -40,25 +40,28 @@ void Session::welcome() {
         statsAt_ = Clock::now();
         viewer_.say(helloMessage(viewer_.number(), own->id(), scenes, devices, options_.caps));
     }
-    if (enter(own, std::nullopt)) own->openFirstScene();
+    if (enter(own, host_.look(own->number()), std::nullopt)) own->openFirstScene();
 }
 
 /// Looks at this view from now on; false when the viewer has gone meanwhile. Throws InputError where nobody looks at it any more.
-bool Session::enter(const std::shared_ptr<View>& view, std::optional<uint32_t> inputId) {
+bool Session::enter(const std::shared_ptr<View>& view, std::shared_ptr<void> place, std::optional<uint32_t> inputId) {
     {
         std::lock_guard lock(mutex_);
         if (ended_) return false;
         view_ = view;
+        std::swap(place_, place);
     }
     view->join(viewer_, inputId);
     return true;
 }
 
 void Session::leave(bool keep) {
+    std::shared_ptr<void> place;  // goes after the view was left
     std::shared_ptr<View> looked;
     {
         std::lock_guard lock(mutex_);
         std::swap(looked, view_);
+        std::swap(place, place_);
     }
     if (!looked || !looked->leave(viewer_)) return;
     if (keep) host_.viewLeft(std::move(looked));
@@ -137,8 +140,13 @@ void Session::handle(const WatchMessage& message) {
     std::shared_ptr<View> next =
         own ? host_.views().open(host_, options_.defaults, options_.caps) : host_.views().find(*message.view);
     if (!next) throw InputError("watch.view", "no such view", "the id of a view that somebody looks at, from its `hello`");
+    std::shared_ptr<void> place = host_.look(next->number());
+    if (!place) {
+        throw InputError("watch.view", "the memory for pictures does not suffice for one more who watches it",
+                         "a smaller picture there, or --film-memory of more");
+    }
     leave();
-    if (enter(next, message.inputId) && own) next->openFirstScene();
+    if (enter(next, std::move(place), message.inputId) && own) next->openFirstScene();
 }
 
 void Session::drained() {

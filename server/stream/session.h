@@ -66,7 +66,7 @@ private:
     bool draining() const;
     void welcome();
     void leave(bool keep = false);
-    bool enter(const std::shared_ptr<View>& view, std::optional<uint32_t> inputId);
+    bool enter(const std::shared_ptr<View>& view, std::shared_ptr<void> place, std::optional<uint32_t> inputId);
     void refuse(const InputError& error, const std::string& about, std::optional<uint32_t> inputId);
 
     SessionHost& host_;
@@ -81,7 +81,8 @@ private:
     bool authorized_ = false;
     bool ended_ = false;
     bool draining_ = false;
-    std::shared_ptr<View> view_;  // from the welcome to the end
+    std::shared_ptr<View> view_;   // from the welcome to the end
+    std::shared_ptr<void> place_;  // in it, of the host
     Clock::time_point statsAt_{};
     std::string lastFailure_;
 

@@ -34,6 +34,9 @@ public:
     /// Grants a view pixels of a picture instead of what it had before, however many look at it. Returns how many: fewer
     /// than `wanted` where the memory for pictures does not suffice, at least 1.
     virtual uint64_t grantPixels(uint32_t view, uint64_t wanted) = 0;
+    /// Somebody looks at the view as long as the returned ticket lives. Null where the memory for pictures does not suffice for
+    /// the bytes that would be made for it; never for the first one.
+    virtual std::shared_ptr<void> look(uint32_t view) = 0;
     /// Nobody looks at it any more: its pixels are free again, and it is destroyed where nobody waits for its threads.
     virtual void viewEnded(std::shared_ptr<View> view) = 0;
     /// Who looked at it last has gone and may come back: that happens after some time, unless somebody looks at it then.

@@ -25,33 +25,45 @@ TEST(FilmShares, AllThatIsGrantedFitsTheBudgetAndEverybodyGetsTheGuaranteedPart)
     for (int round = 0; round < 2'000; round++) {
         const FilmBudget budget{1'000 + random() % 100'000'000, 1 + random() % 40};
         const uint64_t guaranteed = guaranteedPixels(budget);
-        std::vector<uint64_t> granted;
-        for (uint64_t viewer = 0; viewer < budget.places; viewer++) {
-            const uint64_t wanted = random() % (2 * budget.pixels);
-            granted.push_back(grantedPixels(wanted, granted, budget));
-            EXPECT_GE(granted.back(), std::min(wanted, guaranteed));
+        std::vector<ViewShare> granted;
+        uint64_t looking = 0;
+        while (looking < budget.places) {
+            const uint64_t watchers = random() % 3 == 0 ? random() % (budget.places - looking) : 0;
+            const ViewShare wanted{random() % (2 * budget.pixels), watchers};
+            granted.push_back({grantedPixels(wanted, granted, budget), watchers});
+            EXPECT_GE(granted.back().pixels, std::min(wanted.pixels, guaranteed));
+            looking += 1 + watchers;
         }
         for (int change = 0; change < 20; change++) {
             const size_t who = random() % granted.size();
-            std::vector<uint64_t> others = granted;
+            std::vector<ViewShare> others = granted;
             others.erase(others.begin() + static_cast<std::ptrdiff_t>(who));
-            const uint64_t wanted = random() % (2 * budget.pixels);
-            granted[who] = grantedPixels(wanted, others, budget);
-            EXPECT_GE(granted[who], std::min(wanted, guaranteed));
+            const ViewShare wanted{random() % (2 * budget.pixels), granted[who].watchers};
+            granted[who].pixels = grantedPixels(wanted, others, budget);
+            EXPECT_GE(granted[who].pixels, std::min(wanted.pixels, guaranteed));
             uint64_t sum = 0;
-            for (uint64_t pixels : granted) sum += pixels;
-            ASSERT_LE(sum, budget.pixels);
+            for (const ViewShare& view : granted) sum += bytesOf(view);
+            ASSERT_LE(sum, budget.pixels * VIEW_BYTES_A_PIXEL);
         }
     }
 }
 
 TEST(FilmShares, OneAloneGetsMostAndThreeLeaveTheOthersTheirs) {
     const FilmBudget budget{32'000'000, 32};
-    std::vector<uint64_t> granted;
-    for (int viewer = 0; viewer < 3; viewer++) granted.push_back(grantedPixels(33'177'600, granted, budget));
-    EXPECT_GE(granted[0], 24'000'000u);
-    for (int viewer = 3; viewer < 32; viewer++) granted.push_back(grantedPixels(320 * 180, granted, budget));
-    for (size_t viewer = 3; viewer < 32; viewer++) EXPECT_EQ(granted[viewer], 320u * 180u) << viewer;
+    std::vector<ViewShare> granted;
+    for (int viewer = 0; viewer < 3; viewer++) granted.push_back({grantedPixels({33'177'600}, granted, budget)});
+    EXPECT_GE(granted[0].pixels, 24'000'000u);
+    for (int viewer = 3; viewer < 32; viewer++) granted.push_back({grantedPixels({320 * 180}, granted, budget)});
+    for (size_t viewer = 3; viewer < 32; viewer++) EXPECT_EQ(granted[viewer].pixels, 320u * 180u) << viewer;
+}
+
+TEST(FilmShares, WhoWatchesALargePictureTakesAPartOfWhatItsViewMayHave) {
+    const FilmBudget budget{32'000'000, 32};
+    const uint64_t alone = grantedPixels({33'177'600}, {}, budget);
+    const uint64_t watched = grantedPixels({33'177'600, 31}, {}, budget);
+    EXPECT_LT(watched, alone / 6);
+    EXPECT_GT(watched, guaranteedPixels(budget));
+    EXPECT_EQ(grantedPixels({320 * 180, 31}, {}, budget), 320u * 180u) << "small ones suffice for all";
 }
 
 TEST(FilmShares, TheLargestSizeKeepsTheShape) {

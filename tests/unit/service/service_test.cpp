@@ -202,7 +202,7 @@ TEST(Service, AFaultOfOneDisturbsNobodyElse) {
 TEST(Service, FilmsOfAllViewersTogetherAreLimited) {
     ServiceOptions o = options();
     o.socket.maxViewers = 4;
-    o.pictureBytes = VIEWER_BYTES_A_PIXEL * 16'000;  // 1,000 pixels are everybody's for sure
+    o.pictureBytes = VIEW_BYTES_A_PIXEL * 16'000;  // 1,000 pixels are everybody's for sure
     Running s(o);
     Viewer b(s.service.port());
     {
@@ -221,6 +221,30 @@ TEST(Service, FilmsOfAllViewersTogetherAreLimited) {
     EXPECT_TRUE(until([&] { return s.viewers(1); }));
     b.size(100, 100, 4);
     EXPECT_EQ(b.untilInput(4).fullSize, uvec2(100, 100));
+}
+
+TEST(Service, TheBytesMadeForWhoWatchesAreOfTheSameMemory) {
+    ServiceOptions o = options();
+    o.socket.maxViewers = 8;
+    o.pictureBytes = VIEW_BYTES_A_PIXEL * 32'000;  // 1,000 pixels are everybody's for sure
+    Running s(o);
+    const int port = s.service.port();
+    Viewer a(port);
+    const std::string view = a.untilText("hello")["view"];
+    a.size(140, 140, 1);
+    EXPECT_EQ(a.untilInput(1).fullSize, uvec2(140, 140));
+    std::deque<Viewer> watchers;
+    int inside = 0;
+    for (; inside < 7; inside++) {
+        Viewer& b = watchers.emplace_back(port);
+        b.untilText("hello");
+        b.say({{"type", "watch"}, {"view", view}, {"inputId", 40}});
+        if (b.waiting("error") > 0) break;
+    }
+    EXPECT_EQ(inside, 1) << "19,600 pixels, a quarter of that for each who watches, and what is guaranteed to the others";
+    EXPECT_THAT(WebClient(port).get("/metrics").body,
+                HasSubstr("heliograph_picture_memory_bytes " +
+                          std::to_string(19'600 * (VIEW_BYTES_A_PIXEL + CODING_BYTES_A_PIXEL)) + "\n"));
 }
 
 TEST(Service, AFirstSceneThatFailsIsTold) {
@@ -245,7 +269,7 @@ long threadCount() {
 TEST(Service, ViewersComeAndGoInTheMiddleOfEverything) {
     ServiceOptions o = options();
     o.socket.maxViewers = 4;
-    o.pictureBytes = VIEWER_BYTES_A_PIXEL * 1000 * 600 * 4 / 3;
+    o.pictureBytes = VIEW_BYTES_A_PIXEL * 1000 * 600 * 4 / 3;
     o.keepViews = std::chrono::milliseconds(200);  // their lines break
     Running s(o);
     Viewer last(s.service.port());

@@ -86,6 +86,11 @@ public:
         if (poor) throw std::bad_alloc();
         return std::min(wanted, pixelLimit);
     }
+    std::shared_ptr<void> look(uint32_t view) override {
+        if (crowded && looking[view] > 0) return nullptr;
+        looking[view]++;
+        return {this, [view](FakeHost* host) { host->looking[view]--; }};
+    }
     std::vector<std::string> devices() const override { return {"auto", "embree", "raster", "hybrid"}; }
     void viewEnded(std::shared_ptr<View> view) override {
         views_.remove(*view);
@@ -104,7 +109,9 @@ public:
     std::vector<std::string> opened;
     std::vector<SceneListener> listeners;
     bool manual = false, full = false;
-    bool poor = false;  // no memory for anything
+    bool poor = false;                // no memory for anything
+    bool crowded = false;             // nor for who watches
+    std::map<uint32_t, int> looking;  // by view
     uint64_t pixelLimit = 3'000'000;
     Views views_;
     Turns turns_;

@@ -122,6 +122,24 @@ TEST_F(Watching, AnIdThatNobodyHasIsRefusedAndNothingIsLost) {
     EXPECT_TRUE(host->endedViews.empty());
 }
 
+TEST_F(Watching, WhereMemoryDoesNotSufficeAViewerStaysWhereItIs) {
+    auto a = driver();
+    auto b = driver();
+    const std::string view = a->socket->last("hello")["view"];
+    host->crowded = true;
+    b->watch(view, 40);
+    EXPECT_THAT(b->socket->last("error")["message"], HasSubstr("watch.view: the memory for pictures"));
+    EXPECT_EQ(b->socket->last("error")["inputId"], 40);
+    b->look(41);
+    EXPECT_TRUE(b->untilAnswered(41)) << "in its own view";
+    host->crowded = false;
+    b->watch(view, 42);
+    EXPECT_EQ(host->looking[1], 2);
+    EXPECT_EQ(host->looking[2], 0);
+    b.reset();
+    EXPECT_EQ(host->looking[1], 1);
+}
+
 TEST_F(Watching, WhoWatchesDoesNotDrive) {
     auto a = driver();
     auto b = watcher(*a);
