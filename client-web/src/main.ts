@@ -46,11 +46,11 @@ function saveTrace(viewer: Viewer): string {
 
 /** Copies the address of the view; where the browser does not allow that it is shown. */
 async function share(viewer: Viewer, toasts: Toasts): Promise<void> {
-  const address = viewer.shareAddress();
+  const address = viewer.seat.shareAddress();
   if (address === null) return void toasts.show('error', 'There is no view to share yet. Wait until the server answers.');
   try {
     await navigator.clipboard.writeText(address);
-    toasts.show('notice', 'The link is copied. Who opens it watches this view, and drives it when you leave.');
+    toasts.show('notice', 'The link is copied. Who opens it watches this view, and drives it when you leave or hand it over.');
   } catch {
     toasts.show('notice', `Who opens this link watches this view: ${address}`, true);
   }

@@ -18,7 +18,6 @@ import {
   type ServerMessage,
   type SettingValue,
   type SettingValues,
-  type WatchingMessage,
 } from './wire/protocol.js';
 import { Restoring } from './reconnect.js';
 import { onPixelRatio } from './picture/pixel_ratio.js';
@@ -27,9 +26,10 @@ import { SettingsModel } from './panels/settings/settings_model.js';
 import { UndoStack } from './panels/settings/undo.js';
 import { ShownPartition } from './panels/partition/shown_partition.js';
 import { focusRefused, initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
-import type { PictureFormat } from './wire/viewer_message.js';
+import type { PictureFormat, ViewerMessage } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
-import { DRIVEN_BY_OTHERS, viewOf, Watching, withoutView, withView } from './watching.js';
+import { Seat } from './seat.js';
+import { viewOf, type Watching } from './watching.js';
 import { Connection, socketUrl, type ConnectionState } from './wire/socket.js';
 import { keepToken, takeToken, tokenOf } from './wire/token.js';
 
@@ -46,7 +46,7 @@ export class Viewer {
   readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
   readonly stream = new StreamMeter();
   readonly undo = new UndoStack();
-  readonly watching = new Watching(viewOf(location.href));
+  readonly seat: Seat;
 
   /** Set by the page. */
   onMessage: (message: Message) => void = () => undefined;
@@ -59,6 +59,7 @@ export class Viewer {
   private readonly restoring_ = new Restoring();
   private restTimer_ = 0;
   private resizeTimer_ = 0;
+  private placed_ = false; // the camera is where the coming scene is to be seen from
   private pendingSettings_: Record<string, SettingValue> | null = null;
 
   constructor(
@@ -88,6 +89,7 @@ export class Viewer {
       binary: (buffer: ArrayBuffer) => this.received(() => this.binary(buffer)),
     };
     this.connection_ = new Connection(socketUrl(location.href), hooks, takeToken());
+    this.seat = this.makeSeat();
     this.controller = new CameraController({
       schedule: () => requestAnimationFrame((time) => this.controller.step(time)),
       restAfter: (ms) => this.restAfter(ms),
@@ -101,6 +103,10 @@ export class Viewer {
     onPixelRatio(() => this.resized());
     document.addEventListener('visibilitychange', () => this.tellClient());
     this.measure();
+  }
+
+  get watching(): Watching {
+    return this.seat.watching;
   }
 
   on(topics: readonly Topic[], listener: () => void): void {
@@ -140,7 +146,7 @@ export class Viewer {
   }
 
   openScene(name: string): void {
-    if (this.drivenByOthers()) return;
+    if (this.seat.drivenByOthers()) return;
     this.emit('jump');
     this.restoring_.cancel();
     this.connection_.send({ type: 'scene', name });
@@ -148,7 +154,7 @@ export class Viewer {
 
   /** Shown at once; sent with the next animation frame, together with what else changes until then. */
   setSettings(values: SettingValues): void {
-    if (!this.watching.maySet(Object.keys(values)) && this.drivenByOthers()) return;
+    if (!this.watching.maySet(Object.keys(values)) && this.seat.drivenByOthers()) return;
     this.undo.record(this.settings.valuesOf(Object.keys(values)), performance.now());
     this.changeSettings(values);
   }
@@ -186,7 +192,7 @@ export class Viewer {
   }
 
   togglePath(): void {
-    if (this.drivenByOthers()) return;
+    if (this.seat.drivenByOthers()) return;
     if (!this.state.pathPlaying && this.state.ready?.paths.length === 0) {
       this.onMessage({ kind: 'notice', text: 'This scene has no camera path to play. Choose another scene.' });
       return;
@@ -206,7 +212,7 @@ export class Viewer {
 
   /** Asks what each effect costs here; the answer comes as state `effectCosts`. */
   measureEffects(): void {
-    if (this.drivenByOthers()) return;
+    if (this.seat.drivenByOthers()) return;
     if (!this.connection_.isOpen || this.state.ready === null || this.effectCosts.state.name === 'measuring') return;
     this.connection_.send({ type: 'effectCosts' });
     this.effectCosts.asked();
@@ -221,35 +227,16 @@ export class Viewer {
     if (place !== null) this.connection_.send({ type: 'focus', inputId: this.nextInputId(), ...place });
   }
 
-  /** The address at which others watch what is seen here; null while there is none. */
-  shareAddress(): string | null {
-    const { hello } = this.state;
-    return hello === null ? null : withView(location.href, this.watching.view ?? hello.view);
-  }
-
-  /** From a view of somebody else to one of one's own. */
-  leaveView(): void {
-    this.watching.leave();
-    history.replaceState(null, '', withoutView(location.href));
-    this.connection_.send({ type: 'watch', inputId: this.nextInputId() });
-  }
-
   /** All of the scene, in the direction that is looked in. */
   frameAll(): void {
     const { ready, resolution } = this.state;
-    if (this.drivenByOthers() || ready === null) return;
+    if (this.seat.drivenByOthers() || ready === null) return;
     this.jumpTo(framing(this.controller.camera, ready.bounds, resolution.width / resolution.height));
   }
 
   resetView(): void {
-    if (this.drivenByOthers()) return;
+    if (this.seat.drivenByOthers()) return;
     if (this.state.ready !== null) this.jumpTo(this.state.ready.camera);
-  }
-
-  /** Says so where another viewer drives. */
-  private drivenByOthers(): boolean {
-    if (this.watching.active) this.onMessage({ kind: 'notice', text: DRIVEN_BY_OTHERS });
-    return this.watching.active;
   }
 
   private emit(topic: Topic): void {
@@ -297,7 +284,7 @@ export class Viewer {
       case 'hello':
         return this.hello(message);
       case 'scene':
-        return this.scene(message);
+        return this.seat.holdBack(message) ? undefined : this.scene(message);
       case 'settings':
         this.settings.echo(message.values, message.inputId);
         this.partition.settingsChanged();
@@ -307,7 +294,9 @@ export class Viewer {
       case 'partition':
         return this.partition.received(message);
       case 'watching':
-        return this.watches(message);
+        return this.seat.answered(message);
+      case 'driveAsked':
+        return this.seat.asked(message.viewer);
       case 'resolution':
         this.state.given = { width: message.given[0], height: message.given[1] };
         return this.emit('resolution');
@@ -343,9 +332,6 @@ export class Viewer {
     this.state.ownScene = '';
     this.settings.setSchema(hello.schema);
     this.tellClient();
-    const watched = this.watching.begin();
-    this.controller.enabled = watched === null;
-    if (watched === null && before !== null && this.state.readyName !== '') this.restoring_.begin(this.state.readyName);
     if (before !== null && before.server !== hello.server) {
       this.onMessage({
         kind: 'notice',
@@ -354,9 +340,7 @@ export class Viewer {
     }
     this.emit('hello');
     this.emit('settings');
-    if (watched === null) this.drive();
-    else this.connection_.send({ type: 'watch', inputId: this.nextInputId(), view: watched });
-    this.emit('watching');
+    this.seat.greeted(hello);
   }
 
   /** A page that nobody sees is sent nothing. */
@@ -364,22 +348,36 @@ export class Viewer {
     this.connection_.send({ type: 'client', visible: !document.hidden, exact: true });
   }
 
-  /** Tells the server what this page wants of its own view. */
-  private drive(): void {
+  private makeSeat(): Seat {
+    const hooks = {
+      send: (message: ViewerMessage) => this.connection_.send(message),
+      nextInputId: () => this.nextInputId(),
+      notice: (text: string) => this.onMessage({ kind: 'notice', text }),
+      changed: () => {
+        this.controller.enabled = !this.watching.active && !this.state.pathPlaying;
+        this.emit('watching');
+      },
+      drive: (restore: boolean) => this.drive(restore),
+      goOn: (camera: Camera | null, now: boolean) => this.goOn(camera, now),
+      scene: (message: SceneMessage) => this.scene(message),
+    };
+    return new Seat(hooks, viewOf(location.href));
+  }
+
+  /** Tells the server what this page wants of its own view. `restore`: with the scene and the camera from before. */
+  private drive(restore: boolean): void {
+    if (restore && this.state.readyName !== '') this.restoring_.begin(this.state.readyName);
     this.sendResolution();
     const values = this.settings.restorable();
     if (Object.keys(values).length > 0) this.changeSettings(values);
   }
 
-  private watches({ drives, camera, inputId }: WatchingMessage): void {
-    const began = this.watching.answered(drives);
-    this.controller.enabled = drives && !this.state.pathPlaying;
-    this.emit('watching');
-    if (!began) return;
-    if (inputId !== null) return this.drive(); // a view of one's own, as asked for; its scene is yet to come
-    if (camera !== null) this.controller.jump(camera);
+  /** Drives a view from where others left it. `now`: its scene is shown already, else it is to come. */
+  private goOn(camera: Camera | null, now: boolean): void {
+    this.placed_ = camera !== null && !now;
+    if (this.placed_) this.controller.place(camera!);
+    else if (camera !== null) this.controller.jump(camera);
     this.sendResolution();
-    this.onMessage({ kind: 'notice', text: 'Who drove this view has left. You drive it now.' });
   }
 
   private scene(message: SceneMessage): void {
@@ -410,8 +408,9 @@ export class Viewer {
     this.state.readyName = name;
     this.state.pathResult = null;
     this.controller.setScene(ready.bounds, ready.radius);
-    if (restored) this.controller.resend();
+    if (restored || this.placed_) this.controller.resend();
     else this.controller.jump(ready.camera);
+    this.placed_ = false;
   }
 
   private path(playing: boolean, result: PathResult | null): void {
@@ -428,20 +427,12 @@ export class Viewer {
     if (about === 'picture') this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
     const names = about === 'settings' ? this.settings.refused(message, inputId) : [];
     if (about === 'scene') this.giveUpRestoring();
-    if (about === 'watch') this.watchRefused();
+    if (about === 'watch' && this.seat.refused()) return;
     if (about === 'effectCosts') return this.effectCosts.refused(message);
     if (about === 'focus') return this.onMessage({ kind: 'notice', text: focusRefused(message) });
     if (names.length === 0) this.onMessage({ kind: 'error', text: message });
     this.emit('settings');
     this.emit('frame');
-  }
-
-  /** The view of the address is not there: this page drives the view of its own that it was greeted with. */
-  private watchRefused(): void {
-    this.watching.giveUp();
-    this.controller.enabled = true;
-    this.emit('watching');
-    this.drive();
   }
 
   private binary(buffer: ArrayBuffer): void {

@@ -158,6 +158,13 @@ void read(const Fields& fields, FocusMessage& message) {
 void read(const Fields& fields, WatchMessage& message) {
     message.inputId = fields.uint("inputId");
     if (!fields.isNull("view")) message.view = fields.text("view", VIEW_ID_LIMIT);
+    if (!fields.isNull("key")) message.key = fields.text("key", VIEW_ID_LIMIT);
+}
+
+void read(const Fields& fields, DriveMessage& message) {
+    message.inputId = fields.uint("inputId");
+    if (!fields.isNull("viewer")) message.viewer = fields.uint("viewer");
+    if (!fields.isNull("refuse")) message.refuse = fields.boolean("refuse");
 }
 
 void read(const Fields& fields, ClientMessage& message) {

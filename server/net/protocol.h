@@ -92,6 +92,14 @@ struct WatchMessage {
     static constexpr const char* TYPE = "watch";
     uint32_t inputId = 0;
     std::optional<std::string> view;  // nothing: one of its own
+    std::string key = {};             // of the `hello` of the connection before, for who comes back; may be empty
+};
+/// Who drives a view: without a viewer it is asked for, with one it is handed over or refused.
+struct DriveMessage {
+    static constexpr const char* TYPE = "drive";
+    uint32_t inputId = 0;
+    std::optional<uint32_t> viewer;
+    bool refuse = false;
 };
 
 /// What a viewer's program is like at the moment.
@@ -103,7 +111,7 @@ struct ClientMessage {
 
 using ViewerMessage =
     std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage, PathMessage,
-                 PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, WatchMessage, ClientMessage>;
+                 PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, WatchMessage, DriveMessage, ClientMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {

@@ -80,8 +80,9 @@ std::vector<std::string> wordsOf(const DeviceRow& row, const std::vector<std::st
 
 }  // namespace
 
-std::string helloMessage(uint32_t viewer, const std::string& view, const std::vector<SceneRecipe>& scenes,
-                         const std::vector<std::string>& devices, const SettingCaps& caps) {
+std::string helloMessage(uint32_t viewer, const std::string& view, const std::string& key,
+                         const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices,
+                         const SettingCaps& caps) {
     json schema = cappedSchema(caps);
     for (json& row : schema) {
         if (row["name"] == "device") row["choices"] = devices;
@@ -100,6 +101,7 @@ std::string helloMessage(uint32_t viewer, const std::string& view, const std::ve
                  {"server", programVersion()},
                  {"viewer", viewer},
                  {"view", view},
+                 {"key", key},
                  {"schema", schema},
                  {"devices", kinds},
                  {"scenes", offered},
@@ -262,6 +264,8 @@ std::string watchingMessage(const std::string& view, bool drives, const Camera* 
     if (inputId) message["inputId"] = *inputId;
     return text(message);
 }
+
+std::string driveAskedMessage(uint32_t viewer) { return text({{"type", "driveAsked"}, {"viewer", viewer}}); }
 
 std::string noticeMessage(const std::string& words) { return text({{"type", "notice"}, {"text", words}}); }
 

@@ -52,9 +52,10 @@ struct ViewerStats {
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.
-/// `view`: the id of the viewer's own view.
-std::string helloMessage(uint32_t viewer, const std::string& view, const std::vector<SceneRecipe>& scenes,
-                         const std::vector<std::string>& devices, const SettingCaps& caps = {});
+/// `view`: the id of the viewer's own view. `key`: of its seats, SeatKeys::own.
+std::string helloMessage(uint32_t viewer, const std::string& view, const std::string& key,
+                         const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices,
+                         const SettingCaps& caps = {});
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share);
 std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons);
 std::string sceneFailedMessage(const std::string& name, const std::string& why);
@@ -72,6 +73,8 @@ std::string resolutionMessage(uvec2 wanted, uvec2 given, uint32_t inputId);
 /// What the viewer looks at, and whether it drives or watches it. `camera`: of the view, for who drives from now on; may be null.
 /// `inputId` names the message that this answers, if any.
 std::string watchingMessage(const std::string& view, bool drives, const Camera* camera, std::optional<uint32_t> inputId);
+/// A viewer that watches wants to drive; told to who does.
+std::string driveAskedMessage(uint32_t viewer);
 std::string noticeMessage(const std::string& text);
 /// A notice that the server ends, at the latest after that time.
 std::string endingMessage(std::chrono::milliseconds atMost);

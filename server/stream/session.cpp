@@ -18,6 +18,7 @@ Session::Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocke
     : host_(host),
       metrics_(host.metrics()),
       options_(std::move(options)),
+      key_(randomViewId()),
       viewer_(viewer, std::move(socket), metrics_, *this) {}
 
 Session::~Session() {
@@ -38,20 +39,21 @@ void Session::welcome() {
         std::lock_guard lock(mutex_);
         authorized_ = true;
         statsAt_ = Clock::now();
-        viewer_.say(helloMessage(viewer_.number(), own->id(), scenes, devices, options_.caps));
+        viewer_.say(helloMessage(viewer_.number(), own->id(), key_, scenes, devices, options_.caps));
     }
     if (enter(own, host_.look(own->number()), std::nullopt)) own->openFirstScene();
 }
 
 /// Looks at this view from now on; false when the viewer has gone meanwhile. Throws InputError where nobody looks at it any more.
-bool Session::enter(const std::shared_ptr<View>& view, std::shared_ptr<void> place, std::optional<uint32_t> inputId) {
+bool Session::enter(const std::shared_ptr<View>& view, std::shared_ptr<void> place, std::optional<uint32_t> inputId,
+                    const std::string& formerKey) {
     {
         std::lock_guard lock(mutex_);
         if (ended_) return false;
         view_ = view;
         std::swap(place_, place);
     }
-    view->join(viewer_, inputId);
+    view->join(viewer_, inputId, {key_, formerKey});
     return true;
 }
 
@@ -146,7 +148,7 @@ void Session::handle(const WatchMessage& message) {
                          "a smaller picture there, or --film-memory of more");
     }
     leave();
-    if (enter(next, std::move(place), message.inputId) && own) next->openFirstScene();
+    if (enter(next, std::move(place), message.inputId, message.key) && own) next->openFirstScene();
 }
 
 void Session::drained() {

@@ -66,12 +66,14 @@ private:
     bool draining() const;
     void welcome();
     void leave(bool keep = false);
-    bool enter(const std::shared_ptr<View>& view, std::shared_ptr<void> place, std::optional<uint32_t> inputId);
+    bool enter(const std::shared_ptr<View>& view, std::shared_ptr<void> place, std::optional<uint32_t> inputId,
+               const std::string& formerKey = {});
     void refuse(const InputError& error, const std::string& about, std::optional<uint32_t> inputId);
 
     SessionHost& host_;
     Metrics& metrics_;
     const Options options_;
+    const std::string key_;  // SeatKeys::own
     const Clock::time_point opened_ = Clock::now();
     std::atomic<bool> comesBack_{true};  // it has not said goodbye
     uint32_t newestInput_ = 0;           // of the messages that were taken; the socket's thread alone

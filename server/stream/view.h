@@ -14,6 +14,12 @@
 
 namespace heliograph {
 
+/// By which a viewer who comes back proves to be who held a seat before.
+struct SeatKeys {
+    std::string own;     // of the seat it is given now, told to that viewer alone
+    std::string former;  // of the seat it had; empty: none
+};
+
 /// Safe from all threads. What a viewer asks for throws InputError where it is wrong, and where the viewer does not drive; nothing
 /// has changed then. Viewers must have left before they are destroyed.
 class View : public std::enable_shared_from_this<View>, private FrameReceiver {
@@ -30,7 +36,8 @@ public:
 
     /// The viewer looks from now on, and is told what there is to see; the first one drives. `inputId`: of its message that asked
     /// for it, which every frame that it is given answers; without one it has just connected.
-    void join(Viewer& viewer, std::optional<uint32_t> inputId);
+    /// Who holds the former key in `keys` comes back: it takes the seat it had, if it still has one.
+    void join(Viewer& viewer, std::optional<uint32_t> inputId, const SeatKeys& keys = {});
     /// The viewer is given nothing more. True for the last one: nothing is rendered until somebody comes.
     bool leave(Viewer& viewer);
     /// Nobody may come any more. False where somebody looks at it.
@@ -49,6 +56,7 @@ public:
     void handle(const Viewer& viewer, const PathMessage& message);
     void handle(Viewer& viewer, const EffectCostsMessage& message);
     void handle(const Viewer& viewer, const FocusMessage& message);
+    void handle(Viewer& viewer, const DriveMessage& message);
     /// Begins to open the first scene on offer.
     void openFirstScene();
 
@@ -64,10 +72,12 @@ public:
 private:
     struct Seat {
         Viewer* viewer;
+        std::string key;
         uint32_t inputId = 0;  // newest one that every frame shows
         uint32_t quality = 80;
         Given given;
-        std::weak_ptr<const Film> film;  // of the frame given last
+        std::weak_ptr<const Film> film;      // of the frame given last
+        std::optional<uint32_t> asked = {};  // to drive, with this input id; not yet answered
     };
 
     // FrameReceiver
@@ -82,7 +92,10 @@ private:
     Seat* seatOf(uint32_t viewer);
     const Seat* seatOf(uint32_t viewer) const { return const_cast<View*>(this)->seatOf(viewer); }
     Seat& driver(const Viewer& viewer, const char* about);
-    void promote(Seat& seat);
+    size_t vacate(std::string_view key);
+    void promote(Seat& seat, std::optional<uint32_t> inputId = {});
+    void ask(Seat& seat, uint32_t inputId);
+    void handOver(Seat& next, uint32_t inputId);
     void forgetNewest();
     void give(Seat& seat);
     size_t filmsOut() const;

@@ -12,6 +12,7 @@ import { panelChecks } from './panels_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 import { streamChecks } from './stream_test.mjs';
+import { resumeChecks } from './resume_test.mjs';
 import { watchChecks } from './watch_test.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
@@ -392,6 +393,7 @@ try {
   await server.kill();
   await streamChecks(checks);
   await watchChecks(checks);
+  await resumeChecks(checks);
   await fakeChecks(checks);
   await keyChecks(checks);
   await doorChecks(checks);

@@ -164,6 +164,8 @@ class FakeViewer {
         return this.play(message.playing);
       case 'effectCosts':
         return this.measure();
+      case 'watch': // a new connection knows no view but its own
+        return this.say({ type: 'error', message: 'watch.view: no such view', about: 'watch', inputId: message.inputId });
       case 'client': // what the viewer's computer is, and whether the page is seen: nothing to answer
         return;
       case 'focus':

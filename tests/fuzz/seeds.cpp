@@ -30,6 +30,7 @@ std::vector<Seed> messages() {
         R"({"type":"focus","inputId":10,"x":0.5,"y":0.5})",
         R"({"type":"watch","inputId":11,"view":"0123456789abcdef0123456789abcdef"})",
         R"({"type":"watch","inputId":12})",
+        R"({"type":"drive","inputId":13,"viewer":2,"refuse":true})",
         R"({"type":"token","token":"secret"})",
     };
     for (const char* message : all) seeds.push_back({std::to_string(seeds.size()), message});

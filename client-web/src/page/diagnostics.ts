@@ -28,7 +28,7 @@ export interface Diagnostics {
   readonly settings: Readonly<Record<string, unknown>>; // as the server last said
   readonly camera: unknown;
   readonly pathPlaying: boolean;
-  readonly view: string | null; // the id of the view of its own that the server opened
+  readonly view: string | null; // the id of the view that is looked at
   readonly watching: boolean; // another viewer drives what is seen
 }
 
@@ -75,7 +75,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
       settings: Object.fromEntries(settings.rows.map((row) => [row.name, settings.confirmed(row.name)])),
       camera: structuredClone(controller.camera),
       pathPlaying: state.pathPlaying,
-      view: state.hello?.view ?? null,
+      view: viewer.watching.looked,
       watching: viewer.watching.active,
     });
   };

@@ -4,8 +4,9 @@
 import type { Bounds, Camera } from '../camera/camera.js';
 import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, type Numbers } from './fields.js';
 import { ProtocolError } from './frame.js';
+import { cameraOf, vectorOf } from './camera_fields.js';
 import { partitionOf, type Partition } from './partition_message.js';
-import type { Vec3 } from '../camera/vector.js';
+import { watchingOf, type WatchingMessage } from './watching_message.js';
 
 export const PROTOCOL = 'heliograph.v1';
 export type SettingValue = boolean | number | string;
@@ -98,6 +99,7 @@ export interface Hello {
   readonly server: string;
   readonly viewer: number;
   readonly view: string; // the id of its own view
+  readonly key: string; // to its seats, for when it comes back on another connection
   readonly schema: readonly SettingRow[];
   readonly devices: readonly DeviceKind[];
   readonly scenes: readonly SceneEntry[];
@@ -172,15 +174,6 @@ export interface PathResult {
   readonly fpsMin: number;
 }
 
-/** Whose view is looked at. */
-export interface WatchingMessage {
-  readonly type: 'watching';
-  readonly view: string;
-  readonly drives: boolean;
-  readonly camera: Camera | null; // of the view, for who drives it
-  readonly inputId: number | null; // of the message that this answers
-}
-
 /** The picture is smaller than the page asked for. */
 export interface ResolutionMessage {
   readonly type: 'resolution';
@@ -198,29 +191,12 @@ export type ServerMessage =
   | ResolutionMessage
   | { readonly type: 'settings'; readonly values: SettingValues; readonly inputId: number | null }
   | { readonly type: 'path'; readonly playing: boolean; readonly result: PathResult | null }
+  | { readonly type: 'driveAsked'; readonly viewer: number } // wants to drive what this page drives
   | { readonly type: 'notice'; readonly text: string }
   | { readonly type: 'error'; readonly message: string; readonly about: string; readonly inputId: number | null }
   | { readonly type: 'pong'; readonly time: number };
 
 const inputIdOf = (value: unknown): number | null => (typeof value === 'number' ? value : null);
-
-function vectorOf(value: unknown, where: string): Vec3 {
-  const [x, y, z] = listOf(value);
-  if (typeof x !== 'number' || typeof y !== 'number' || typeof z !== 'number') {
-    throw new ProtocolError(`${where}: ${JSON.stringify(value)}, allowed: three numbers`);
-  }
-  return [x, y, z];
-}
-
-function cameraOf(value: unknown, where: string): Camera {
-  const fields = fieldsOf(value);
-  return {
-    position: vectorOf(fields['position'], `${where}.position`),
-    forward: vectorOf(fields['forward'], `${where}.forward`),
-    up: vectorOf(fields['up'], `${where}.up`),
-    fieldOfView: numberOf(fields['fieldOfView'], 60),
-  };
-}
 
 function sizeOf(value: unknown, where: string): readonly [number, number] {
   const [width, height] = listOf(value);
@@ -228,16 +204,6 @@ function sizeOf(value: unknown, where: string): readonly [number, number] {
     throw new ProtocolError(`${where}: ${JSON.stringify(value)}, allowed: two numbers`);
   }
   return [width, height];
-}
-
-function watchingOf(fields: Fields): WatchingMessage {
-  return {
-    type: 'watching',
-    view: textOf(fields['view']),
-    drives: fields['drives'] === true,
-    camera: isObject(fields['camera']) ? cameraOf(fields['camera'], 'watching.camera') : null,
-    inputId: inputIdOf(fields['inputId']),
-  };
 }
 
 function settingValuesOf(value: unknown): SettingValues {
@@ -295,6 +261,7 @@ function helloOf(fields: Fields): Hello {
     server: textOf(fields['server']),
     viewer: numberOf(fields['viewer']),
     view: textOf(fields['view']),
+    key: textOf(fields['key']),
     schema: listOf(fields['schema']).map(settingRowOf),
     devices: listOf(fields['devices']).map(deviceKindOf),
     scenes: listOf(fields['scenes']).map((entry) => {
@@ -481,6 +448,8 @@ export function parseMessage(text: string): ServerMessage | null {
         wanted: sizeOf(fields['wanted'], 'resolution.wanted'),
         given: sizeOf(fields['given'], 'resolution.given'),
       };
+    case 'driveAsked':
+      return { type: 'driveAsked', viewer: numberOf(fields['viewer']) };
     case 'notice':
       return { type: 'notice', text: textOf(fields['text']) };
     case 'error':

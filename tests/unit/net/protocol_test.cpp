@@ -74,6 +74,19 @@ TEST(Protocol, AClientSaysWhatItIsLike) {
     EXPECT_THROW(parseViewerMessage(R"({"type":"client","visible":1})"), MessageError);
 }
 
+TEST(Protocol, ADriveAsksOrAnswers) {
+    const DriveMessage asks = std::get<DriveMessage>(parseViewerMessage(R"({"type":"drive","inputId":3})"));
+    EXPECT_EQ(asks.inputId, 3u);
+    EXPECT_FALSE(asks.viewer);
+    const DriveMessage answer =
+        std::get<DriveMessage>(parseViewerMessage(R"({"type":"drive","inputId":4,"viewer":7,"refuse":true})"));
+    EXPECT_EQ(answer.viewer, 7u);
+    EXPECT_TRUE(answer.refuse);
+    EXPECT_THROW(parseViewerMessage(R"({"type":"drive"})"), MessageError);
+    EXPECT_THROW(parseViewerMessage(R"({"type":"drive","inputId":4,"viewer":-1})"), MessageError);
+    EXPECT_THROW(parseViewerMessage(R"({"type":"drive","inputId":4,"viewer":1,"refuse":"no"})"), MessageError);
+}
+
 TEST(Protocol, AWatchNamesAViewOrNone) {
     const WatchMessage named = std::get<WatchMessage>(parseViewerMessage(R"({"type":"watch","inputId":3,"view":"ab"})"));
     EXPECT_EQ(named.view, "ab");

@@ -22,6 +22,12 @@ struct Guest : Line {
 
     std::string ownView() { return socket->last("hello")["view"]; }
     void watch(const std::string& view, uint32_t inputId) { say({{"type", "watch"}, {"view", view}, {"inputId", inputId}}); }
+    /// Asks to drive.
+    void drive(uint32_t inputId) { say({{"type", "drive"}, {"inputId", inputId}}); }
+    /// Answers one who asked.
+    void drive(uint32_t inputId, uint32_t viewer, bool refuse = false) {
+        say({{"type", "drive"}, {"inputId", inputId}, {"viewer", viewer}, {"refuse", refuse}});
+    }
     void set(const std::string& name, const json& value, uint32_t inputId) {
         say({{"type", "settings"}, {"inputId", inputId}, {"values", {{name, value}}}});
     }
@@ -244,6 +250,71 @@ TEST_F(Watching, WhenTheDriverLeavesWhoCameNextDrives) {
         for (size_t i = 1; i < guest->socket->headers.size(); i++)
             EXPECT_GE(guest->socket->headers[i].inputId, guest->socket->headers[i - 1].inputId);
     }
+}
+
+TEST_F(Watching, DrivingIsAskedForRefusedAndHandedOver) {
+    auto a = driver();
+    auto b = watcher(*a), c = watcher(*a, 60);
+    a->look(7);
+    ASSERT_TRUE(a->untilAnswered(7));
+    b->drive(41);
+    EXPECT_EQ(a->socket->last("driveAsked"), (json{{"type", "driveAsked"}, {"viewer", 2}}));
+    ASSERT_TRUE(b->untilAnswered(41)) << "a frame answers who asks";
+    a->drive(8, 2, true);
+    EXPECT_EQ(b->socket->last("watching"),
+              (json{{"type", "watching"}, {"view", a->ownView()}, {"drives", false}, {"inputId", 41}}));
+    b->drive(42);
+    a->drive(9, 2);
+    EXPECT_EQ(b->socket->last("watching")["drives"], true);
+    EXPECT_EQ(b->socket->last("watching")["inputId"], 42);
+    EXPECT_EQ(b->socket->last("watching")["camera"]["position"], json({7, 0, 0})) << "from where it drives on";
+    EXPECT_EQ(a->socket->last("watching"),
+              (json{{"type", "watching"}, {"view", a->ownView()}, {"drives", false}, {"inputId", 9}}));
+    ASSERT_TRUE(a->untilAnswered(9));
+    b->look(50);
+    ASSERT_TRUE(b->untilAnswered(50));
+    ASSERT_TRUE(a->untilShown([&](const FrameHeader& h) { return h.generation == b->lastFrame().generation; }));
+    EXPECT_EQ(a->lastFrame().inputId, 9u);
+    a->look(10);
+    EXPECT_THAT(a->socket->last("error")["message"], HasSubstr("driven by another viewer"));
+    b->session->end();
+    EXPECT_EQ(a->socket->last("watching")["drives"], true) << "who drove before comes before who came later";
+    EXPECT_EQ(c->socket->last("watching")["drives"], false);
+}
+
+TEST_F(Watching, OnlyWhoDrivesHandsOverAndOnlyToWhoWatches) {
+    auto a = driver();
+    auto b = watcher(*a);
+    b->drive(41, 1);
+    EXPECT_THAT(b->socket->last("error")["message"], HasSubstr("driven by another viewer"));
+    for (uint32_t nobody : {1u, 9u}) {
+        a->drive(8, nobody);
+        EXPECT_THAT(a->socket->last("error")["message"], HasSubstr("drive.viewer: " + std::to_string(nobody)));
+    }
+    EXPECT_EQ(b->socket->last("watching")["drives"], false);
+    b->drive(42);
+    b->drive(43);
+    EXPECT_EQ(std::ranges::count(a->socket->texts, "driveAsked", [](const json& text) { return text["type"]; }), 1)
+        << "who drives is asked once";
+}
+
+TEST_F(Watching, WhoComesBackBeforeItsOldConnectionIsFoundBrokenHasItsSeat) {
+    auto a = driver();
+    auto b = watcher(*a);
+    const json hello = a->socket->last("hello");
+    auto again = std::make_unique<Guest>(host, 7), thief = std::make_unique<Guest>(host, 8);
+    thief->say({{"type", "watch"}, {"view", hello["view"]}, {"inputId", 1}, {"key", b->socket->last("hello")["view"]}});
+    EXPECT_EQ(thief->socket->last("watching")["drives"], false) << "the key is told to one alone";
+    again->say({{"type", "watch"}, {"view", hello["view"]}, {"inputId", 90}, {"key", hello["key"]}});
+    EXPECT_EQ(again->socket->last("watching")["drives"], true);
+    EXPECT_EQ(a->socket->closed, CloseCode::normal);
+    ASSERT_TRUE(again->untilAnswered(90));
+    a->look(12);
+    a->session->end();
+    EXPECT_TRUE(host->endedViews.size() < 4) << "the old connection looks at nothing any more";
+    again->look(91);
+    ASSERT_TRUE(again->untilAnswered(91));
+    EXPECT_EQ(b->socket->last("watching")["drives"], false);
 }
 
 TEST_F(Watching, AViewEndsWithTheLastWhoLooks) {
