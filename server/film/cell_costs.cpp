@@ -38,11 +38,20 @@ uint32_t CellCosts::cellAt(uvec2 pixel) const {
     return cell.y * cells_.x + cell.x;
 }
 
-void CellCosts::note(uint32_t cell, float rays) {
-    const double error = static_cast<double>(rays) - costs_[cell];
+float CellCosts::partsOf(const Tile& tile) const {
+    const uvec2 origin = tile.origin / cellSize_ * cellSize_;
+    const uvec2 cell = glm::min(cellSize_, resolution_ - origin);
+    return static_cast<float>(cell.x) * static_cast<float>(cell.y) /
+           (static_cast<float>(tile.size.x) * static_cast<float>(tile.size.y));
+}
+
+void CellCosts::note(const Tile& tile, float rays) {
+    float& cost = costs_[cellAt(tile.origin)];
+    const float found = rays * partsOf(tile);
+    const double error = static_cast<double>(found) - cost;
     squaredErrors_ += error * error;
     noted_++;
-    costs_[cell] = rays;
+    cost = found;
 }
 
 void CellCosts::end() {

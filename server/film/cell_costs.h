@@ -23,12 +23,19 @@ public:
     /// What predictions were wrong by in the pass before, root mean square over the cells; 0 while nothing is known.
     double deviation() const { return deviation_; }
 
-    /// A cell turned out to cost that many rays a sample.
-    void note(uint32_t cell, float rays);
+    /// The same of a tile that is a part of a cell, by its share of the cell's pixels.
+    float predicted(const Tile& tile) const { return costs_[cellAt(tile.origin)] / partsOf(tile); }
+
+    /// A tile, which is a cell or a part of one, turned out to cost that many rays a sample. Of several parts the last one
+    /// stands for the cell.
+    void note(const Tile& tile, float rays);
     /// The pass is over; cells that were not noted stay as they were.
     void end();
 
 private:
+    /// How many such tiles make up its cell.
+    float partsOf(const Tile& tile) const;
+
     uvec2 resolution_{0, 0}, cellSize_{0, 0}, cells_{0, 0};
     mutable std::vector<uint32_t> fromCentre_;  // made when it is first asked for
     std::vector<float> costs_;

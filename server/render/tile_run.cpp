@@ -376,7 +376,7 @@ std::vector<Tile> TileRun::missing() const {
 
 void TileRun::noteCosts(CellCosts& costs) const {
     for (size_t i = 0; i < work_.tiles.size(); i++) {
-        if (cells_[i].load() == Cell::done) costs.note(costs.cellAt(work_.tiles[i].origin), made_[i].rays);
+        if (cells_[i].load() == Cell::done) costs.note(work_.tiles[i], made_[i].rays);
     }
 }
 

@@ -63,7 +63,7 @@ TileWork workOf(const FrameRequest& request, std::vector<Tile> tiles, const View
     work.costs.reserve(tiles.size());
     for (const Tile& tile : tiles) {
         const auto samples = static_cast<float>(std::max(tile.sampleCount, 1u));
-        work.costs.push_back(samples * view.costs.predicted(view.costs.cellAt(tile.origin)));
+        work.costs.push_back(samples * view.costs.predicted(tile));
         work.deviation = view.costs.deviation() * samples;
     }
     work.order.resize(tiles.size());
@@ -215,6 +215,7 @@ void TileScheduler::shareManually(Plan& plan, const ViewMemory& view) {
         if (sum + 0.5 * cost >= (1.0 - share) * total) break;
         sum += cost;
     }
+    if (!sides[1]) cut = static_cast<uint32_t>(work.order.size());  // whatever cells cost
     const std::vector<uint32_t> wanted = wantedOrder(work.tiles, view);
     putInOrder(work, std::span(work.order).first(cut), wanted);
     putInOrder(work, std::span(work.order).subspan(cut), wanted);

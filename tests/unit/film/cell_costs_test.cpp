@@ -23,14 +23,25 @@ TEST(CellCosts, PredictsWhatTheLastPassCostAndByHowMuchThatIsWrong) {
     CellCosts costs;
     for (float scale : {1.0f, 1.0f, 2.0f}) {
         costs.begin({32, 16}, {16, 16});
-        costs.note(0, 300.0f * scale);
-        costs.note(1, 400.0f * scale);
+        costs.note({{0, 0}, {16, 16}}, 300.0f * scale);
+        costs.note({{16, 0}, {16, 16}}, 400.0f * scale);
         costs.end();
     }
     EXPECT_EQ(costs.predicted(0), 600.0f);
     EXPECT_NEAR(costs.deviation(), std::sqrt((300.0 * 300.0 + 400.0 * 400.0) / 2.0), 1e-3);
     costs.begin({32, 16}, {8, 8});
     EXPECT_EQ(costs.predicted(0), 64.0f);
+}
+
+TEST(CellCosts, APartOfACellCostsItsShare) {
+    CellCosts costs;
+    costs.begin({40, 20}, {16, 16});
+    EXPECT_EQ(costs.predicted({{8, 8}, {8, 8}}), 64.0f);
+    EXPECT_EQ(costs.predicted({{32, 16}, {8, 4}}), 32.0f);  // the whole of the cell in the corner
+    costs.note({{8, 0}, {8, 8}}, 200.0f);
+    EXPECT_EQ(costs.predicted(0), 800.0f);
+    EXPECT_EQ(costs.predicted({{0, 0}, {16, 16}}), 800.0f);
+    EXPECT_EQ(costs.predicted({{0, 0}, {16, 8}}), 400.0f);
 }
 
 TEST(CellCosts, CentreFirst) {
