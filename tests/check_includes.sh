@@ -55,7 +55,7 @@ tiny_gltf.h      scene/load
 draco/           scene/load
 meshoptimizer.h  scene/load
 CLI/             app main
-tbb/             scene/build scene/generate scene/load render device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
+tbb/             scene/build scene/generate scene/load render encode device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
 toml++/          operations
 prometheus/      operations
 gtest/           tests

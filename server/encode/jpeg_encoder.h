@@ -1,5 +1,6 @@
 #pragma once
-// JPEG by libjpeg-turbo. Below quality 90 colour is stored at half resolution (4:2:0), from 90 at full (4:4:4).
+// JPEG by libjpeg-turbo. Below quality 90 colour is stored at half resolution (4:2:0), from 90 at full (4:4:4). Pictures are coded
+// in stripes of JPEG_STRIPE_ROWS rows, whoever codes them: the bytes do not depend on the number of threads.
 
 #include "server/encode/encoder.h"
 
@@ -7,7 +8,12 @@
 
 namespace heliograph {
 
-/// Keeps its compressor between pictures; one thread at a time.
-std::unique_ptr<Encoder> makeJpegEncoder();
+constexpr uint32_t JPEG_STRIPE_ROWS = 64;
+
+/// Who codes the stripes of a picture.
+enum class JpegThreads { own, all };
+
+/// For one thread at a time. `all`: the processor's other cores help where they have nothing else to do.
+std::unique_ptr<Encoder> makeJpegEncoder(JpegThreads threads = JpegThreads::own);
 
 }  // namespace heliograph

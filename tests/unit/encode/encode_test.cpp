@@ -1,10 +1,12 @@
 #include "server/encode/exr_encoder.h"
 #include "server/encode/jpeg_encoder.h"
+#include "server/encode/jpeg_stripes.h"
 #include "server/encode/png_encoder.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <turbojpeg.h>
 
 #include <cmath>
 
@@ -131,6 +133,48 @@ TEST(JpegEncoder, TakesSizesThatAreNoWholeBlocks) {
     }
     std::vector<uint8_t> bytes;
     EXPECT_THROW(encoder->encode({}, 80, bytes), std::runtime_error);
+}
+
+/// The whole picture by libjpeg-turbo in one piece.
+std::vector<uint8_t> inOnePiece(const DisplayImage& image, int quality) {
+    const bool fine = quality >= 90;
+    const auto width = static_cast<int>(image.width), height = static_cast<int>(image.height);
+    tjhandle handle = tjInitCompress();
+    unsigned char* bytes = nullptr;
+    unsigned long size = 0;
+    EXPECT_EQ(tjCompress2(handle, image.rgba.data(), width, 4 * width, height, TJPF_RGBX, &bytes, &size,
+                          fine ? TJSAMP_444 : TJSAMP_420, quality, fine ? TJFLAG_ACCURATEDCT : TJFLAG_FASTDCT),
+              0);
+    std::vector<uint8_t> result(bytes, bytes + size);
+    tjFree(bytes);
+    tjDestroy(handle);
+    return result;
+}
+
+// Coded in stripes, by one thread or by all, a picture is the one that is coded in one piece, to the last code.
+TEST(JpegEncoder, StripesMakeTheSamePicture) {
+    for (uvec2 size : {uvec2(61, 37), uvec2(200, 64), uvec2(333, 65), uvec2(640, 360), uvec2(50, 1500)}) {
+        const DisplayImage image = testImage(size.x, size.y);
+        for (int quality : {40, 80, 95}) {
+            std::vector<uint8_t> own, all;
+            makeJpegEncoder(JpegThreads::own)->encode(image, static_cast<uint32_t>(quality), own);
+            makeJpegEncoder(JpegThreads::all)->encode(image, static_cast<uint32_t>(quality), all);
+            EXPECT_EQ(own, all);
+            const Decoded stripes = decoded(own, "a.jpg"), whole = decoded(inOnePiece(image, quality), "a.jpg");
+            ASSERT_EQ(stripes.width, whole.width);
+            ASSERT_EQ(stripes.height, whole.height);
+            EXPECT_EQ(stripes.values, whole.values) << size.x << "x" << size.y << " at " << quality;
+        }
+    }
+}
+
+TEST(JpegEncoder, StripesThatAreNoFilesAreRefused) {
+    std::vector<uint8_t> file, bytes;
+    makeJpegEncoder()->encode(testImage(64, 64), 80, file);
+    for (size_t size : {size_t{0}, size_t{1}, size_t{3}, size_t{100}, file.size() - 1}) {
+        const std::span<const uint8_t> cut(file.data(), size);
+        EXPECT_THROW(joinStripes(std::span(&cut, 1), 64, 16, bytes), std::runtime_error) << size;
+    }
 }
 
 TEST(ExrEncoder, KeepsEveryFloat) {
