@@ -184,19 +184,28 @@ void Film::develop(std::vector<vec4>& pixels) const {
     }
 }
 
+void Film::developRow(const Block& block, size_t pixel, uint32_t count, vec4* to) const {
+    const auto samples = static_cast<float>(block.samples);
+    if (block.samples == 0) {
+        std::fill(to, to + count, vec4(0.0f));
+    } else if (block.samples == 1) {  // while a viewer moves
+        for (uint32_t x = 0; x < count; x++) to[x] = vec4(vec3(firstSums_[pixel + x]), samples);
+    } else {
+        const double scale = 1.0 / block.samples;
+        for (uint32_t x = 0; x < count; x++) to[x] = vec4(vec3(glm::dvec3(sumOf(block, pixel + x)) * scale), samples);
+    }
+}
+
 void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
     Reading reading(*this);
     for (uint32_t y = firstRow; y < lastRow; y++) {
         const size_t row = static_cast<size_t>(y) * resolution_.x;
         const Block* blocks = &blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x];
         for (uint32_t block = 0; block < blockCount_.x; block++) {
-            const uint32_t samples = blocks[block].samples;
-            const uint32_t end = std::min((block + 1) * BLOCK, resolution_.x);
-            const double scale = samples == 0 ? 0.0 : 1.0 / samples;
-            for (uint32_t x = block * BLOCK; x < end; x++, pixels++) {
-                glm::dvec4 mean = samples == 0 ? glm::dvec4(0.0) : sumOf(blocks[block], row + x) * scale;
-                *pixels = vec4(mean.x, mean.y, mean.z, static_cast<float>(samples));
-            }
+            const uint32_t first = block * BLOCK;
+            const uint32_t count = std::min(BLOCK, resolution_.x - first);
+            developRow(blocks[block], row + first, count, pixels);
+            pixels += count;
         }
     }
 }

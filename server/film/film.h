@@ -91,6 +91,8 @@ private:
     /// Adds one row of a block's part of a result to the sums of its pixels, from `pixel` on.
     void addRow(const Block& block, bool first, const vec4* from, size_t pixel, uint32_t count);
     glm::dvec4 sumOf(const Block& block, size_t pixel) const;
+    /// Mean radiance and samples of one row of a block, from `pixel` on.
+    void developRow(const Block& block, size_t pixel, uint32_t count, vec4* to) const;
     template <typename Visit>
     bool everyBlock(const Tile& tile, Visit visit);
     size_t pixelCount() const { return static_cast<size_t>(resolution_.x) * resolution_.y; }
