@@ -242,7 +242,7 @@ private:
         std::string why = slot->failure();
         if (!why.empty()) why = "set aside: " + why;
         else if (full.contains(name)) why = NO_MEMORY;
-        else if (!options_.patient) why = getReady(slot, request);
+        else if (!options_.patient) why = getReady(slot, request, true);
         if (why.empty()) return {candidateOf(*slot, device, request.settings)};
         team.push_back(candidateOf(*slot, slot->ready(), request.settings));
         team.back().blocked = why;
@@ -297,7 +297,8 @@ private:
     }
 
     /// Starts what a device needs before it can take part, or to be faster; returns what it waits for, or nothing.
-    std::string getReady(const std::shared_ptr<DeviceSlot>& member, const FrameRequest& request) {
+    /// `hasFallback`: somebody renders for it meanwhile.
+    std::string getReady(const std::shared_ptr<DeviceSlot>& member, const FrameRequest& request, bool hasFallback = false) {
         bool serves;
         {
             std::lock_guard lock(member->mutex);
@@ -320,8 +321,9 @@ private:
             std::lock_guard lock(member->mutex);
             member->busy = member->blocked = false;
         };
-        // The device that is there already has nothing to wait for.
-        if (options_.patient || (member->ready() && !offer_.team.empty() && member->name == offer_.team.front())) {
+        // The device that is there already has nothing to wait for, unless others serve while it compiles.
+        const bool there = member->ready() && !offer_.team.empty() && member->name == offer_.team.front();
+        if (options_.patient || (there && !hasFallback)) {
             work();
             std::string why = member->failure();
             return why.empty() ? "" : "set aside: " + why;

@@ -275,6 +275,22 @@ TEST_F(Hybrid, TheProcessorServesWhileADeviceCompiles) {
     EXPECT_TRUE(notices.empty());
 }
 
+// Nor where nothing else was asked for (--devices vulkan).
+TEST_F(Hybrid, TheProcessorServesWhileTheOnlyDeviceAskedForCompiles) {
+    settings.set("device", "vulkan:0");
+    offer.team = {"vulkan:0"};
+    make(false);
+    EXPECT_EQ(render().tiles.count("embree"), 0u);
+    gpu.cold = true;
+    gpu.hold();
+    std::jthread frame([&] { EXPECT_EQ(render().tiles.count("vulkan:0"), 0u); });
+    ASSERT_TRUE(gpu.untilHeld());
+    EXPECT_TRUE(test::until([&] { return cpu.calls > 0; })) << "the frame waits";
+    gpu.release();
+    frame.join();
+    EXPECT_TRUE(test::until([&] { return render().tiles.count("vulkan:0") > 0; }));
+}
+
 // Nor is one waited for that knows this request, but is compiling for another one.
 TEST_F(Hybrid, TheProcessorServesWhileADeviceCompilesForAnotherRequest) {
     settings.set("device", "vulkan:0");
