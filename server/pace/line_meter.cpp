@@ -17,8 +17,9 @@ constexpr double SHORTEST_TRIP = 1e-3;       // seconds over which a rate is mea
 }  // namespace
 
 uint32_t framesForLine(double leastRoundTrip, double frameSeconds, uint32_t atMost) {
-    const double held = std::ceil(leastRoundTrip / std::max(frameSeconds, SHORTEST_FRAME)) + 1.0;
-    return static_cast<uint32_t>(std::clamp(held, 2.0, static_cast<double>(std::max(atMost, 2u))));
+    const double held = std::ceil(leastRoundTrip / std::max(frameSeconds, SHORTEST_FRAME));
+    const double more = 1.0 + std::floor(held / 4.0);
+    return static_cast<uint32_t>(std::clamp(held + more, 2.0, static_cast<double>(std::max(atMost, 2u))));
 }
 
 double bytesForLine(double bytesPerSecond, double leastRoundTrip, bool queues) {

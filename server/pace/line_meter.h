@@ -14,7 +14,8 @@
 
 namespace heliograph {
 
-/// Frames that may be under way, where one is made every `frameSeconds`: as many as the line holds and one more.
+/// Frames that may be under way, where one is made every `frameSeconds`: as many as the line holds, one more, and another one
+/// for each four, so that a hitch of line or viewer does not stop a long line.
 uint32_t framesForLine(double leastRoundTrip, double frameSeconds, uint32_t atMost);
 /// Bytes that may be under way before another frame goes: what the line holds and what it carries in 150 ms, at least 32 KiB.
 /// Where nothing queues, the rate that was measured may be that of the window, not of the line: then twice what the line holds,

@@ -12,9 +12,9 @@ void EncodeThread::finish() {
     if (thread_.joinable()) thread_.join();
 }
 
-void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header, bool keep) {
+void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header, bool keep, std::shared_ptr<SharedPictures> shared) {
     busy_.store(true, std::memory_order_release);
-    jobs_.put({std::move(frame), header, keep});
+    jobs_.put({std::move(frame), header, keep, std::move(shared)});
 }
 
 void EncodeThread::encode(std::shared_ptr<const StillPicture> still, uint32_t firstRow, uint32_t rows,
@@ -27,7 +27,7 @@ EncodedFrame EncodeThread::made(const Job& job) {
     const auto* part = std::get_if<Part>(&job.what);
     if (part) return maker_.makePart(*part->still, part->firstRow, part->rows, job.header);
     const auto& frame = std::get<FinishedFrame>(job.what);
-    if (!frame.picture) return maker_.make(frame, job.header, job.keep);
+    if (!frame.picture) return maker_.make(frame, job.header, job.keep, job.shared.get());
     // A saved picture of many pixels takes seconds, and its viewer has no frames meanwhile; the others have.
     EncodedFrame encoded;
     inBackground([&] { encoded = maker_.make(frame, job.header); });

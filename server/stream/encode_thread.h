@@ -24,8 +24,8 @@ public:
     bool busy() const { return busy_.load(std::memory_order_acquire); }
     /// What it is at. `viewer`: for whom.
     std::optional<RunningStage> stage(uint32_t viewer) const { return stages_.running(viewer); }
-    /// `header`, `keep`: as PictureMaker::make. Must not be called while busy.
-    void encode(FinishedFrame frame, const FrameHeader& header, bool keep);
+    /// `header`, `keep`, `shared`: as PictureMaker::make. Must not be called while busy.
+    void encode(FinishedFrame frame, const FrameHeader& header, bool keep, std::shared_ptr<SharedPictures> shared);
     /// A part of a picture, as PictureMaker::makePart. Must not be called while busy.
     void encode(std::shared_ptr<const StillPicture> still, uint32_t firstRow, uint32_t rows, const FrameHeader& header);
     /// Ends after the frame in work and waits for that; what comes later is dropped.
@@ -40,6 +40,7 @@ private:
         std::variant<FinishedFrame, Part> what;
         FrameHeader header;
         bool keep = false;
+        std::shared_ptr<SharedPictures> shared = {};
     };
     void run();
     EncodedFrame made(const Job& job);

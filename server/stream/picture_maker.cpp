@@ -58,38 +58,65 @@ struct PictureMaker::Encoders {
 PictureMaker::PictureMaker() : encoders_(std::make_unique<Encoders>()) {}
 PictureMaker::~PictureMaker() = default;
 
-EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, bool keep) {
-    EncodedFrame result;
+/// Develops and encodes.
+void PictureMaker::paint(const FinishedFrame& frame, const PictureKey& key, bool several, MadePicture& made) {
     StopWatch watch;
-    const double before = threadCpuSeconds();
-    if (header.codec == FrameCodec::exr) frame.film->develop(pixels_);
+    if (key.codec == FrameCodec::exr) frame.film->develop(pixels_);
     else develop(frame, pixels_, display_);
-    header.relativeError = static_cast<float>(frame.film->relativeError());
-    header.developMicros = micros(watch.seconds());
+    made.relativeError = static_cast<float>(frame.film->relativeError());
+    made.developSeconds = watch.seconds();
     watch.restart();
-    if (header.codec == FrameCodec::exr) encodeExr(pixels_, frame.size, payload_);
-    else if (header.codec == FrameCodec::png) encoders_->png->encode(display_, header.quality, payload_);
-    else encoders_->jpeg->encode(display_, header.quality, payload_);
+    if (key.codec == FrameCodec::exr) encodeExr(pixels_, frame.size, made.payload);
+    else if (key.codec == FrameCodec::png) encoders_->png->encode(display_, key.quality, made.payload);
+    else encoders_->jpeg->encode(display_, key.quality, made.payload);
+    made.encodeSeconds = watch.seconds();
+    made.still.reset();
+    if (!key.keep) return;
+    auto still = std::make_shared<StillPicture::Shared>();
+    still->several = several;
+    still->image = std::move(display_);
+    made.still = std::move(still);
+}
+
+EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, bool keep, SharedPictures* shared) {
+    EncodedFrame result;
+    const double before = threadCpuSeconds();
+    const PictureKey key{header.codec, header.quality, keep};
+    std::shared_ptr<const MadePicture> ofAll;
+    if (shared) {
+        result.shared = true;
+        ofAll = shared->get(key, [&] {
+            result.shared = false;
+            MadePicture made;
+            paint(frame, key, true, made);
+            return made;
+        });
+    } else {
+        paint(frame, key, false, made_);
+    }
+    const MadePicture& made = ofAll ? *ofAll : made_;
+    header.relativeError = made.relativeError;
+    header.developMicros = micros(made.developSeconds);
+    header.encodeMicros = micros(made.encodeSeconds);
     describe(frame, header);
-    header.encodeMicros = micros(watch.seconds());
     result.header = header;
-    finish(result, 0);
+    finish(result, made.payload, 0);
     result.coreSeconds = threadCpuSeconds() - before;
     writeFrameHeader(result.header, std::span(result.picture.bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES>());
     result.figures = frame.figures;
     result.order = frame.picture;
     result.targetSamples = frame.view.settings.samples;
-    if (keep) result.still = std::make_shared<StillPicture>(StillPicture{std::move(display_), result.header});
+    if (made.still) result.still = std::make_shared<StillPicture>(StillPicture{made.still, result.header});
     return result;
 }
 
 /// Puts the payload behind room for the header and the place of a part.
-void PictureMaker::finish(EncodedFrame& result, size_t placeBytes) {
-    result.header.payloadBytes = static_cast<uint32_t>(payload_.size());
+void PictureMaker::finish(EncodedFrame& result, std::span<const uint8_t> payload, size_t placeBytes) {
+    result.header.payloadBytes = static_cast<uint32_t>(payload.size());
     std::vector<uint8_t>& bytes = result.picture.bytes;
-    bytes.reserve(SOCKET_HEADROOM + FRAME_HEADER_BYTES + placeBytes + payload_.size());
+    bytes.reserve(SOCKET_HEADROOM + FRAME_HEADER_BYTES + placeBytes + payload.size());
     bytes.resize(SOCKET_HEADROOM + FRAME_HEADER_BYTES + placeBytes);
-    bytes.insert(bytes.end(), payload_.begin(), payload_.end());
+    bytes.insert(bytes.end(), payload.begin(), payload.end());
     result.picture.kind = result.header.kind;
     result.picture.frameId = result.header.frameId;
     result.picture.encoded = std::chrono::steady_clock::now();
@@ -99,12 +126,20 @@ EncodedFrame PictureMaker::makePart(const StillPicture& still, uint32_t firstRow
     EncodedFrame result;
     StopWatch watch;
     const double before = threadCpuSeconds();
-    const size_t rowBytes = static_cast<size_t>(still.image.width) * 4;
-    const auto from = still.image.rgba.begin() + static_cast<ptrdiff_t>(firstRow * rowBytes);
-    display_.width = still.image.width;
-    display_.height = rows;
-    display_.rgba.assign(from, from + static_cast<ptrdiff_t>(rows * rowBytes));
-    encoders_->png->encode(display_, 0, payload_);
+    const DisplayImage& image = still.shared->image;
+    const auto encode = [&] {
+        const size_t rowBytes = static_cast<size_t>(image.width) * 4;
+        const auto from = image.rgba.begin() + static_cast<ptrdiff_t>(firstRow * rowBytes);
+        display_.width = image.width;
+        display_.height = rows;
+        display_.rgba.assign(from, from + static_cast<ptrdiff_t>(rows * rowBytes));
+        std::vector<uint8_t> payload;
+        encoders_->png->encode(display_, 0, payload);
+        return payload;
+    };
+    std::shared_ptr<const std::vector<uint8_t>> ofAll;
+    if (still.shared->several) ofAll = still.shared->parts.get(firstRow, encode);
+    else made_.payload = encode();
     result.header = still.header;
     result.header.kind = FrameKind::part;
     result.header.codec = FrameCodec::png;
@@ -112,9 +147,9 @@ EncodedFrame PictureMaker::makePart(const StillPicture& still, uint32_t firstRow
     result.header.frameId = header.frameId;
     result.header.developMicros = result.header.renderMicros = result.header.inputMicros = 0;
     result.header.encodeMicros = micros(watch.seconds());
-    finish(result, PART_PLACE_BYTES);
+    finish(result, ofAll ? *ofAll : made_.payload, PART_PLACE_BYTES);
     result.coreSeconds = threadCpuSeconds() - before;
-    writePartHeader(result.header, {{0, firstRow}, {still.image.width, rows}},
+    writePartHeader(result.header, {{0, firstRow}, {image.width, rows}},
                     std::span(result.picture.bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES + PART_PLACE_BYTES>());
     return result;
 }

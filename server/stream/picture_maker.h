@@ -4,7 +4,9 @@
 #include "server/encode/encoder.h"
 #include "server/net/viewer_socket.h"
 #include "server/loop/finished_frame.h"
+#include "server/stream/made_once.h"
 
+#include <compare>
 #include <memory>
 #include <vector>
 
@@ -12,9 +14,31 @@ namespace heliograph {
 
 /// A picture as it is seen, kept to be sent in parts without loss.
 struct StillPicture {
-    DisplayImage image;
+    struct Shared {
+        DisplayImage image;
+        bool several = false;                                    // several viewers may be sent it: its parts are kept
+        mutable MadeOnce<uint32_t, std::vector<uint8_t>> parts;  // by their first row; all are of equally many rows
+    };
+    std::shared_ptr<const Shared> shared;
     FrameHeader header;  // of the frame that showed it first
 };
+
+/// What a picture is made for: viewers of one frame for whom all of it is equal are sent the same bytes.
+struct PictureKey {
+    FrameCodec codec = FrameCodec::jpeg;
+    uint8_t quality = 0;
+    bool keep = false;
+    auto operator<=>(const PictureKey&) const = default;
+};
+struct MadePicture {
+    std::vector<uint8_t> payload;
+    double developSeconds = 0.0;
+    double encodeSeconds = 0.0;
+    float relativeError = 1.0f;
+    std::shared_ptr<const StillPicture::Shared> still;  // where it is kept
+};
+/// Of one frame.
+using SharedPictures = MadeOnce<PictureKey, MadePicture>;
 
 /// A frame as it leaves, and what it cost.
 struct EncodedFrame {
@@ -24,6 +48,7 @@ struct EncodedFrame {
     std::optional<PictureOrder> order;  // of a picture
     uint32_t targetSamples = 0;
     double coreSeconds = 0.0;                   // processor time of developing and encoding
+    bool shared = false;                        // another viewer's thread has made it
     std::shared_ptr<const StillPicture> still;  // where it was to be kept
 };
 
@@ -35,19 +60,20 @@ public:
 
     /// `header` says the codec, the quality and the frame's id; the rest is filled in. EXR holds the film's linear float values,
     /// the other formats what the viewer sees. Throws std::runtime_error.
-    /// `keep`: the picture itself comes back too.
-    EncodedFrame make(const FinishedFrame& frame, FrameHeader header, bool keep = false);
+    /// `keep`: the picture itself comes back too. `shared`: of all who are sent this frame; may be null.
+    EncodedFrame make(const FinishedFrame& frame, FrameHeader header, bool keep = false, SharedPictures* shared = nullptr);
     /// The rows from `firstRow` on as PNG. `header`: its frame id alone counts, the rest is the picture's.
     EncodedFrame makePart(const StillPicture& still, uint32_t firstRow, uint32_t rows, FrameHeader header);
 
 private:
-    void finish(EncodedFrame& result, size_t placeBytes);
+    void paint(const FinishedFrame& frame, const PictureKey& key, bool several, MadePicture& made);
+    void finish(EncodedFrame& result, std::span<const uint8_t> payload, size_t placeBytes);
 
     struct Encoders;
     std::unique_ptr<Encoders> encoders_;
     std::vector<vec4> pixels_;
     DisplayImage display_;
-    std::vector<uint8_t> payload_;
+    MadePicture made_;
 };
 
 }  // namespace heliograph

@@ -99,6 +99,7 @@ void View::take(FinishedFrame&& frame) {
         const double seconds = frame.figures.lastPassSeconds;
         secondsPerFrame_ = secondsPerFrame_ > 0.0 ? 0.8 * secondsPerFrame_ + 0.2 * seconds : seconds;
         newest_ = std::move(frame);
+        shared_ = seats_.size() > 1 ? std::make_shared<SharedPictures>() : nullptr;
     }
     for (Seat& seat : seats_) give(seat);
     forgetNewest();
@@ -111,7 +112,9 @@ void View::forgetNewest() {
     const bool wanted = std::ranges::any_of(seats_, [&](const Seat& seat) {
         return wants(seat.given, shown, inputShown(newest_->view, seat.viewer->number(), seat.inputId));
     });
-    if (!wanted) newest_.reset();
+    if (wanted) return;
+    newest_.reset();
+    shared_.reset();
 }
 
 /// Gives the viewer what waits for it, if it has room.
@@ -131,7 +134,7 @@ void View::give(Seat& seat) {
     FinishedFrame frame = *newest_;
     frame.view.inputId = inputId;
     seat.film = frame.film;
-    viewer.take(std::move(frame));
+    viewer.take(std::move(frame), shared_);
     seat.given = {shown, inputId};
 }
 

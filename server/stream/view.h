@@ -138,6 +138,7 @@ private:
     bool playing_ = false;
     std::string lastFailure_;
     std::optional<FinishedFrame> newest_;       // until everybody has been given it
+    std::shared_ptr<SharedPictures> shared_;    // of the newest, where several look
     std::optional<FinishedFrame> picture_;      // until who asked for it is free to take it
     std::optional<PictureOrder> pictureAsked_;  // until it is there
     double secondsPerFrame_ = 0.0;              // device time of first passes, smoothed

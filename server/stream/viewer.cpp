@@ -73,7 +73,7 @@ bool Viewer::nothingOnItsWay() const {
     return line_.underWay() == 0 || stalledSince(line_.oldest(), secondsNow());
 }
 
-void Viewer::take(FinishedFrame frame) {
+void Viewer::take(FinishedFrame frame, std::shared_ptr<SharedPictures> shared) {
     FrameHeader header;
     header.codec = frame.picture ? codecOf(frame.picture->format) : FrameCodec::jpeg;
     bool keep = false;
@@ -86,7 +86,7 @@ void Viewer::take(FinishedFrame frame) {
         if (!frame.picture && frame.view.moving) smooth(frameSeconds_, frame.figures.lastPassSeconds);
         if (header.codec == FrameCodec::jpeg) header.quality = static_cast<uint8_t>(qualityOf(frame));
     }
-    encoder_.encode(std::move(frame), header, keep);
+    encoder_.encode(std::move(frame), header, keep, std::move(shared));
 }
 
 bool Viewer::refine() {
@@ -99,9 +99,10 @@ bool Viewer::refine() {
         if (!still_ || unwritten_ || !client_.visible || !line_.room(frameSeconds_, MAX_UNACKED)) return false;
         still = still_;
         first = stillRows_;
-        rows = std::min(std::max(PART_PIXELS / still->image.width, 1u), still->image.height - first);
+        const DisplayImage& image = still->shared->image;
+        rows = std::min(std::max(PART_PIXELS / image.width, 1u), image.height - first);
         stillRows_ += rows;
-        if (stillRows_ == still->image.height) still_.reset();
+        if (stillRows_ == image.height) still_.reset();
         header.frameId = ++lastFrameId_;
         line_.begin(header.frameId, secondsNow());
     }
@@ -129,8 +130,10 @@ void Viewer::pinged(double roundTripSeconds) {
 
 void Viewer::encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const std::string& failure) {
     if (frame) {
-        metrics_.stages[Metrics::develop].add(1e-6 * frame->header.developMicros);
-        metrics_.stages[Metrics::encode].add(1e-6 * frame->header.encodeMicros);
+        if (!frame->shared) {  // told by whose thread made it
+            metrics_.stages[Metrics::develop].add(1e-6 * frame->header.developMicros);
+            metrics_.stages[Metrics::encode].add(1e-6 * frame->header.encodeMicros);
+        }
         std::lock_guard lock(mutex_);
         send(std::move(*frame));
     } else {

@@ -41,7 +41,8 @@ public:
     bool visible() const;
     Readiness readiness() const;
     /// Encodes and sends the frame; only when `readiness` is ready, for a picture when it is not busy.
-    void take(FinishedFrame frame);
+    /// `shared`: of all who are given this frame; null where nobody else is.
+    void take(FinishedFrame frame, std::shared_ptr<SharedPictures> shared = nullptr);
     /// Goes on with the parts of the last picture, which make it exact; false where there are none, or no room. To be called
     /// when there is nothing else to take.
     bool refine();

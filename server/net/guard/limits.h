@@ -23,7 +23,7 @@
     LIMIT(uint32_t, MAX_SIDE, 8192, "pixels", "largest width and height of a picture; more: `error`")                        \
     LIMIT(uint64_t, MAX_PIXELS, 33177600, "pixels", "of a picture (7680 x 4320); more: `error`")                             \
     LIMIT(size_t, MAX_VIEWERS, 32, "viewers", "unless `--max-viewers` says otherwise; another one: HTTP 503")                \
-    LIMIT(uint32_t, MAX_UNACKED, 16, "frames", "on their way to a viewer at most; fewer where the line holds fewer")         \
+    LIMIT(uint32_t, MAX_UNACKED, 32, "frames", "on their way to a viewer at most; fewer where the line holds fewer")         \
     LIMIT(size_t, PICTURES_WAITING, 2, "pictures", "that wait for a viewer who reads slowly; more: close 4008")              \
     LIMIT(size_t, TEXT_WAITING, 4194304, "bytes", "of text that wait for a viewer who reads slowly; more: close 4008")       \
     LIMIT(size_t, MAX_GUESTS, 32, "viewers", "that have not said the token yet; another one: the oldest goes, close 1013")   \

@@ -14,7 +14,7 @@
 namespace heliograph {
 namespace {
 
-constexpr uint32_t MOST = 16;
+constexpr uint32_t MOST = 32;
 
 /// A server that makes a frame whenever there is room, a line of delay, rate and stalls, a viewer who takes some time to show it.
 struct Drag {
@@ -25,6 +25,8 @@ struct Drag {
     double stallEvery = 0.0, stall = 0.0;
     double shows = 0.015;
     bool adapts = true;
+    uint32_t hitchEvery = 0;  // frames, of which one takes longer to show, by
+    double hitch = 0.0;       // seconds
 
     struct Shown {
         double time, age;  // age: since it was begun
@@ -44,12 +46,12 @@ struct Drag {
     void run(double from, double to) {
         double made = from;
         for (double now = from; now < to; now += 1e-3) {
-            while (!flying.empty() && flying.front().arrival + shows + delay <= now) {
+            while (!flying.empty() && flying.front().shown + delay <= now) {
                 const Flying frame = flying.front();
                 flying.pop_front();
-                const auto queued = meter.landed(frame.id, now, shows);
+                const auto queued = meter.landed(frame.id, now, frame.shown - frame.arrival);
                 ASSERT_TRUE(queued);
-                shown.push_back({frame.arrival + shows, frame.arrival + shows - frame.begun, ladder.level()});
+                shown.push_back({frame.shown, frame.shown - frame.begun, ladder.level()});
                 const uint32_t before = ladder.level();
                 if (adapts) ladder.seen(queued->total(), now);
                 changes += ladder.level() != before;
@@ -65,7 +67,8 @@ struct Drag {
             double arrival = lineFree + delay;
             if (stall > 0.0 && std::fmod(arrival, stallEvery) < stall) arrival += stall - std::fmod(arrival, stallEvery);
             lastArrival = std::max(arrival, lastArrival);
-            flying.push_back({last_, now, lastArrival});
+            lastShown = std::max(lastShown, lastArrival + shows + (hitchEvery > 0 && last_ % hitchEvery == 0 ? hitch : 0.0));
+            flying.push_back({last_, now, lastArrival, lastShown});
         }
     }
     double perSecond(double from, double to) const {
@@ -84,19 +87,19 @@ struct Drag {
 private:
     struct Flying {
         uint32_t id;
-        double begun, arrival;
+        double begun, arrival, shown;
     };
     std::deque<Flying> flying;
-    double lineFree = 0.0, lastArrival = 0.0;
+    double lineFree = 0.0, lastArrival = 0.0, lastShown = 0.0;
     uint32_t last_ = 0;
 };
 
 TEST(Line, FramesUnderWayAreWhatTheLineHoldsAndOneMore) {
     EXPECT_EQ(framesForLine(0.001, 0.03, MOST), 2u);
     EXPECT_EQ(framesForLine(0.03, 0.03, MOST), 2u);
-    EXPECT_EQ(framesForLine(0.31, 0.03, MOST), 12u);
-    EXPECT_EQ(framesForLine(2.0, 0.03, MOST), 16u);
-    EXPECT_EQ(framesForLine(0.3, 0.0, MOST), 16u) << "no frame is shorter than a refresh";
+    EXPECT_EQ(framesForLine(0.31, 0.03, MOST), 14u);
+    EXPECT_EQ(framesForLine(2.0, 0.03, MOST), 32u);
+    EXPECT_EQ(framesForLine(0.3, 0.0, MOST), 23u) << "no frame is shorter than a refresh";
     EXPECT_EQ(bytesForLine(0.0, 0.0, true), 32768.0) << "while nothing is known";
     EXPECT_DOUBLE_EQ(bytesForLine(1e6, 0.05, true), 200e3);
     EXPECT_DOUBLE_EQ(bytesForLine(1e6, 0.05, false), 250e3);
@@ -127,6 +130,20 @@ TEST(Line, ALongRoundTripCostsNoRate) {
     EXPECT_LE(near.mostUnderWay, 2u) << "two are enough where the line holds none";
     EXPECT_EQ(far.ladder.level(), 0u) << "a long way is no queue";
     EXPECT_LE(far.age(0.95, 3.0, 8.0), 0.15 + 0.06);
+}
+
+TEST(Line, HitchesOfTheViewerCostALongLineNoMoreThanAShortOne) {
+    double rates[2];
+    for (const bool lasting : {false, true}) {
+        Drag drag;
+        drag.frameSeconds = 0.022;
+        drag.delay = lasting ? 0.15 : 0.0;
+        drag.hitchEvery = 12;
+        drag.hitch = 0.09;
+        drag.run(0.0, 12.0);
+        rates[lasting] = drag.perSecond(4.0, 12.0);
+    }
+    EXPECT_GE(rates[1], 0.9 * rates[0]) << rates[0] << " a second without delay";
 }
 
 TEST(Line, ANarrowLineGivesSmallerPicturesAndStaysCloseToTheHand) {

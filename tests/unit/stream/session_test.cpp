@@ -29,7 +29,7 @@ TEST(Session, GreetsInOrder) {
               json({{"name", "embree"}, {"words", {"embree"}}, {"kind", "processor"}, {"side", "cpu"}, {"bit", 0}}));
     EXPECT_EQ(devices[1]["words"], json::array()) << "vulkan is not offered";
     EXPECT_EQ(line.socket->texts[0]["scenes"][1]["name"], "second");
-    EXPECT_EQ(line.socket->texts[0]["maxUnacked"], 16);
+    EXPECT_EQ(line.socket->texts[0]["maxUnacked"], 32);
     EXPECT_GT(line.socket->texts[0]["schema"].size(), 20u);
     EXPECT_EQ(line.socket->texts[1]["type"], "settings");
     EXPECT_EQ(line.socket->texts[1]["values"]["samples"], 1);

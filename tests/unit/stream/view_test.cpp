@@ -90,6 +90,9 @@ struct Watching : testing::Test {
         return guest;
     }
 
+    /// Encodings so far.
+    uint64_t made() { return host->metrics().stages[Metrics::encode].cumulative().back(); }
+
     std::shared_ptr<FakeHost> host = std::make_shared<FakeHost>();
     uint32_t guests = 0;
 };
@@ -197,6 +200,22 @@ TEST_F(Watching, QualityIsEachViewersOwn) {
     EXPECT_EQ(b->socket->last("settings")["values"]["jpegQuality"], 30);
     b->set("jpegQuality", 5, 42);
     EXPECT_THAT(b->socket->last("error")["message"], HasSubstr("jpegQuality"));
+}
+
+TEST_F(Watching, EqualPicturesAreMadeOnceAndOthersApart) {
+    auto a = driver();
+    auto b = watcher(*a), c = watcher(*a), other = watcher(*a);
+    other->set("jpegQuality", 95, 50);
+    ASSERT_TRUE(other->untilAnswered(50));
+    const uint64_t encodings = made(), sent = host->metrics().framesSent;
+    a->look(9);
+    ASSERT_TRUE(a->untilAnswered(9));
+    for (const auto& guest : {b.get(), c.get(), other.get()})
+        ASSERT_TRUE(guest->untilShown([&](const FrameHeader& h) { return h.generation == a->lastFrame().generation; }));
+    EXPECT_EQ(host->metrics().framesSent, sent + 4);
+    EXPECT_EQ(made(), encodings + 2) << "the last one, of quality 92, for three, and one of 95";
+    EXPECT_EQ(a->lastFrame().inputId, 9u);
+    EXPECT_EQ(b->lastFrame().inputId, 40u) << "the header is each viewer's own";
 }
 
 TEST_F(Watching, OneThatAcknowledgesNothingDelaysNobodyAndHasTheLastFrameInTheEnd) {

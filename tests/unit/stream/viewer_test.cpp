@@ -217,14 +217,14 @@ TEST(Viewer, WhoSeesNothingIsSentNothing) {
 
 TEST(Viewer, AsManyFramesAreUnderWayAsTheLineHolds) {
     Seat seat;
-    seat.viewer.pinged(0.3);  // six frames of 50 ms
-    for (int frames = 1; frames <= 7; frames++) {
+    seat.viewer.pinged(0.3);  // six frames of 50 ms, one more, and one for each four
+    for (int frames = 1; frames <= 8; frames++) {
         ASSERT_EQ(seat.viewer.readiness(), Readiness::ready) << frames;
         seat.viewer.take(frameOf(uvec2(16, 16), 1));
         ASSERT_TRUE(seat.untilDrained(frames));
     }
     EXPECT_EQ(seat.viewer.readiness(), Readiness::noCredit);
-    for (uint32_t id = 1; id <= 6; id++) seat.viewer.acknowledge({id, std::nullopt});
+    for (uint32_t id = 1; id <= 7; id++) seat.viewer.acknowledge({id, std::nullopt});
     EXPECT_EQ(seat.viewer.readiness(), Readiness::ready);
 }
 
