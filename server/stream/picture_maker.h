@@ -4,7 +4,7 @@
 #include "server/encode/encoder.h"
 #include "server/net/viewer_socket.h"
 #include "server/loop/finished_frame.h"
-#include "server/stream/made_once.h"
+#include "server/base/made_once.h"
 
 #include <compare>
 #include <memory>

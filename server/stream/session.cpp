@@ -18,7 +18,7 @@ Session::Session(uint32_t viewer, SessionHost& host, std::shared_ptr<ViewerSocke
     : host_(host),
       metrics_(host.metrics()),
       options_(std::move(options)),
-      key_(randomViewId()),
+      key_(randomSecret()),
       viewer_(viewer, std::move(socket), metrics_, *this) {}
 
 Session::~Session() {

@@ -2,28 +2,12 @@
 
 #include "server/net/guard/token.h"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
-#include <stdexcept>
 
 namespace heliograph {
 
-std::string randomViewId() {
-    std::array<unsigned char, 16> bytes;
-    if (::getentropy(bytes.data(), bytes.size()) != 0)
-        throw std::runtime_error("the system has no random numbers for a view's id");
-    std::string id;
-    for (unsigned char byte : bytes) {
-        id += "0123456789abcdef"[byte >> 4];
-        id += "0123456789abcdef"[byte & 15];
-    }
-    return id;
-}
-
 std::shared_ptr<View> Views::open(SessionHost& host, const Settings& defaults, const SettingCaps& caps) {
-    std::string id = randomViewId();
+    std::string id = randomSecret();
     uint32_t number;
     {
         std::lock_guard lock(mutex_);

@@ -6,9 +6,6 @@
 
 namespace heliograph {
 
-/// 128 random bits as 32 hexadecimal digits. Throws std::runtime_error where the system has none.
-std::string randomViewId();
-
 /// Safe from all threads. Keeps no view alive.
 class Views {
 public:

@@ -4,10 +4,13 @@
 #include "server/net/guard/limits.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <stdexcept>
 
 namespace heliograph {
 
@@ -31,6 +34,17 @@ std::string readableByAll(const std::string& path) {
     struct stat found {};
     if (::stat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode) || !(found.st_mode & S_IROTH)) return {};
     return path + ": everybody on this machine can read it (chmod o-r)";
+}
+
+std::string randomSecret() {
+    std::array<unsigned char, 16> bytes;
+    if (::getentropy(bytes.data(), bytes.size()) != 0) throw std::runtime_error("the system has no random numbers");
+    std::string secret;
+    for (unsigned char byte : bytes) {
+        secret += "0123456789abcdef"[byte >> 4];
+        secret += "0123456789abcdef"[byte & 15];
+    }
+    return secret;
 }
 
 bool sameSecret(std::string_view given, std::string_view secret) {

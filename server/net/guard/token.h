@@ -14,6 +14,9 @@ std::string readTokenFile(const std::string& path);
 /// A line that warns of a secret's file which all users of the machine can read; else empty.
 std::string readableByAll(const std::string& path);
 
+/// 128 random bits as 32 hexadecimal digits. Throws std::runtime_error where the system has none.
+std::string randomSecret();
+
 /// Compares in a time that depends on the length of `given` alone.
 bool sameSecret(std::string_view given, std::string_view secret);
 

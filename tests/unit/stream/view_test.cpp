@@ -1,5 +1,7 @@
 #include "server/stream/view.h"
 
+#include "server/net/guard/token.h"
+
 #include "tests/support/until.h"
 #include "tests/unit/stream/stream_fakes.h"
 #include <gmock/gmock.h>
@@ -445,7 +447,7 @@ TEST_F(Watching, WhatDoesNotEndIsNamedWithItsViewer) {
 
 TEST(Views, IdsAreManyBitsAndNoTwoAreAlike) {
     std::set<std::string> ids;
-    for (int i = 0; i < 1000; i++) ids.insert(randomViewId());
+    for (int i = 0; i < 1000; i++) ids.insert(randomSecret());
     EXPECT_EQ(ids.size(), 1000u);
     for (const std::string& id : ids) EXPECT_TRUE(std::regex_match(id, std::regex("[0-9a-f]{32}"))) << id;
 }

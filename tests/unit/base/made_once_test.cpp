@@ -1,4 +1,4 @@
-#include "server/stream/made_once.h"
+#include "server/base/made_once.h"
 
 #include <gtest/gtest.h>
 
