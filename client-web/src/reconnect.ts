@@ -39,7 +39,7 @@ export class Restoring {
   step(message: SceneMessage, offered: readonly string[]): SceneStep {
     const scene = this.scene_;
     if (scene === null || message.name === scene) return SHOW;
-    if (!offered.includes(scene)) {
+    if (!offered.some((name) => scene === name || scene.startsWith(`${name}#`))) {
       this.cancel();
       return SHOW;
     }

@@ -145,9 +145,10 @@ export class Viewer {
     this.controller.jump(camera);
   }
 
-  openScene(name: string): void {
+  openScene(name: string, camera: Camera | null = null): void {
     if (this.seat.drivenByOthers()) return;
     this.emit('jump');
+    if (camera !== null) return this.lookAt(name, camera);
     this.restoring_.cancel();
     this.connection_.send({ type: 'scene', name });
   }

@@ -44,7 +44,7 @@ struct Bench {
     }
 
     void open(const BenchOptions& options, const Progress& progress) {
-        scene = openScene(options.scene, options.environment, progress);
+        scene = openScene(sceneName(options), options.environment, progress);
         camera = chosenCamera(*scene, options.camera, given);
         device = makeRenderer(given.settings);
         device->load(scene, given.settings, progress);

@@ -52,7 +52,7 @@ Opened opened(const BenchEffectsOptions& options, const Progress& progress) {
     GivenSettings given = givenSettings(options);
     Opened result;
     result.bounds = checkedBounds(options, given.settings);
-    result.scene = openScene(options.scene, options.environment, progress);
+    result.scene = openScene(sceneName(options), options.environment, progress);
     result.bounds.camera = chosenCamera(*result.scene, options.camera, given);
     result.bounds.settings = given.settings;
     result.device = makeRenderer(given.settings);

@@ -27,6 +27,29 @@ size_t surfaceImages(const Scene& scene) {
     return scene.images.size() - (scene.environment.image == NO_INDEX || scene.images.empty() ? 0 : 1);
 }
 
+/// The file's extensions: what is made of each, or why it is not read.
+nlohmann::ordered_json extensionRows(const Scene& scene) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const FileExtension& row : scene.extensions)
+        rows.push_back({{"name", row.name}, {"read", row.read}, {"note", row.note}});
+    return rows;
+}
+
+void printExtensions(const Scene& scene, std::ostream& out) {
+    if (!scene.extensions.empty()) out << "\nextensions of the file\n";
+    for (const FileExtension& row : scene.extensions)
+        out << "  " << oneLine(row.name) << ": " << (row.read ? "" : "not read, ") << row.note << "\n";
+}
+
+std::string chosenVariant(const Variants& variants) { return variants.chosen ? variants.names[*variants.chosen] : ""; }
+
+/// "beach, street (drawn: street)".
+std::string variantWords(const Variants& variants) {
+    if (variants.names.empty()) return "none";
+    return joined(variants.names) +
+           (variants.chosen ? " (drawn: " + chosenVariant(variants) + ")" : " (drawn: the file's own)");
+}
+
 /// Those whose called_for and simulated are the given ones, under a title; nothing where there are none.
 void printEffects(const nlohmann::ordered_json& effects, const char* title, bool calledFor, bool simulated, std::ostream& out) {
     bool titled = false;
@@ -65,6 +88,8 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
     row("bounds", corner(scene.bounds.low) + " to " + corner(scene.bounds.high) + " m");
     row("cameras", namesOf(scene.cameras));
     row("camera paths", namesOf(scene.paths));
+    row("material variants", variantWords(scene.variants));
+    printExtensions(scene, out);
     printEffects(json["effects"], "calls for", true, true, out);
     printEffects(json["effects"], "calls for, but not simulated", true, false, out);
     printEffects(json["effects"], "does not call for", false, true, out);
@@ -93,6 +118,9 @@ nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, d
             {"lights", scene.lights.size()},
             {"textures", surfaceImages(scene)},
             {"bytes", scene.bytes()},
+            {"variants", scene.variants.names},
+            {"variant", chosenVariant(scene.variants)},
+            {"extensions", extensionRows(scene)},
             {"effects", effects},
             {"warnings", scene.warnings},
             {"ms", {{"load", loadMs}, {"effects", effectsMs}}}};
@@ -103,7 +131,7 @@ int runInspect(const SceneOptions& options, std::ostream& out) {
     const StopWatch watch;
     {
         ProgressBar bar;
-        scene = openScene(options.scene, options.environment, bar.progress());
+        scene = openScene(sceneName(options), options.environment, bar.progress());
     }
     const nlohmann::ordered_json json = inspection(*scene, scene->name, watch.milliseconds());
     // Names come from files, which may hold anything: what is no UTF-8 is replaced, not thrown about.

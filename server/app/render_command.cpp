@@ -102,7 +102,7 @@ public:
 
     void open(const RenderOptions& options, const Progress& progress) {
         StopWatch watch;
-        scene_ = openScene(options.scene, options.environment, progress);
+        scene_ = openScene(sceneName(options), options.environment, progress);
         result_.ms.load = watch.milliseconds();
         camera_ = chosenCamera(*scene_, options.camera, given_);
         if (!options.previousCamera.empty()) {

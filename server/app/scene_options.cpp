@@ -33,8 +33,17 @@ bool numbersOf(std::string_view text, std::span<float> numbers) {
 void addSceneArgument(CLI::App& command, SceneOptions& options) {
     command.add_option("SCENE", options.scene, "courtyard, cathedral, glass, cornell, or a .gltf, .glb or .obj file")
         ->required();
+    command
+        .add_option(
+            "--variant", options.variant,
+            "Look of the file (KHR_materials_variants), by name or number from 0; inspect lists them. SCENE#NAME is the same")
+        ->type_name("NAME");
     command.add_option("--environment", options.environment,
                        "Lat-long image (HDR, EXR, JPG, PNG) that surrounds the scene instead of its own surroundings");
+}
+
+std::string sceneName(const SceneOptions& options) {
+    return options.variant.empty() ? options.scene : options.scene + "#" + options.variant;
 }
 
 void addJsonOption(CLI::App& command, SceneOptions& options) {

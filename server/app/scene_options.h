@@ -19,6 +19,7 @@ namespace heliograph {
 struct SceneOptions {
     std::string scene;
     std::string environment;  // file, or empty
+    std::string variant;      // of the scene's file, or empty
     std::string size = "1280x720";
     std::string device;                 // empty: as the settings say
     std::string camera;                 // empty: the scene's first
@@ -26,7 +27,9 @@ struct SceneOptions {
     bool json = false;
 };
 
-/// SCENE and --environment.
+/// What SCENE and --variant name together.
+std::string sceneName(const SceneOptions& options);
+/// SCENE, --variant and --environment.
 void addSceneArgument(CLI::App& command, SceneOptions& options);
 void addJsonOption(CLI::App& command, SceneOptions& options);
 /// --size, --device and --set.

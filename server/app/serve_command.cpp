@@ -40,15 +40,25 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     auto recipe = std::find_if(service.scenes.begin(), service.scenes.end(),
                                [&](const SceneRecipe& r) { return r.name == options.scene; });
     std::string file, fileName;
+    const auto isFile = [](const std::string& name) {
+        std::error_code error;
+        return std::filesystem::exists(name, error);
+    };
+    const SceneName first = sceneNameOf(options.scene, isFile);
     if (recipe != service.scenes.end()) {
         std::rotate(service.scenes.begin(), recipe, recipe + 1);
     } else {
-        file = options.scene;
+        file = first.name;
         fileName = std::filesystem::path(file).filename().string();
         service.scenes.insert(service.scenes.begin(), {fileName, "The file given at the start of the server"});
+        if (!first.variant.empty())
+            service.scenes.insert(service.scenes.begin(), {fileName + "#" + first.variant, "Its look of that name"});
     }
     service.openScene = [=](const std::string& name, const Progress& progress) {
-        return openScene(!file.empty() && name == fileName ? file : name, options.environment, progress);
+        const auto isOffered = [&](const std::string& offered) { return !file.empty() && offered == fileName; };
+        const auto [base, variant] = sceneNameOf(name, isOffered);
+        const std::string source = isOffered(base) ? file : base;
+        return openScene(variant.empty() ? source : source + "#" + variant, options.environment, progress);
     };
     service.devices = deviceOffer(options.devices);
     std::string device = Settings::choiceWord("device", service.defaults.device);

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,19 @@ struct AtRest {
     uint32_t morphedMeshes = 0;  // with morph targets; the file's weights are applied
 };
 
+/// Looks of its surfaces that a file offers (KHR_materials_variants).
+struct Variants {
+    std::vector<std::string> names;
+    std::optional<uint32_t> chosen;  // of names; nothing: the file's own look
+};
+
+/// An extension that a file uses.
+struct FileExtension {
+    std::string name;
+    bool read = true;
+    std::string note;  // what is made of it, or why it is not read
+};
+
 class Scene {
 public:
     std::string name;                          // as the user asked for it
@@ -73,10 +87,12 @@ public:
     std::vector<CameraPath> paths;           // may be empty
     std::vector<std::string> warnings;       // what the loader changed, ignored or added
     AtRest atRest;
-    Bounds bounds;             // world space
-    float aoRadius = 1.0f;     // metres: what aoRadius = 1 means in this scene
-    float exposure = 0.0f;     // EV that suits the scene, added to the viewer's
-    uint64_t contentHash = 0;  // of every array above
+    Variants variants;
+    std::vector<FileExtension> extensions;  // of its format, as the file lists them
+    Bounds bounds;                          // world space
+    float aoRadius = 1.0f;                  // metres: what aoRadius = 1 means in this scene
+    float exposure = 0.0f;                  // EV that suits the scene, added to the viewer's
+    uint64_t contentHash = 0;               // of every array above
 
     /// Where a camera may stand: within 10,000 radii of the scene's middle (from there it fills the narrowest field of view),
     /// at least 10 km, and where lengths still have squares in float.

@@ -136,6 +136,8 @@ std::string sceneReadyMessage(const std::string& name, const Scene& scene, const
                  {"camera", cameras.empty() ? json() : cameras[0]},
                  {"cameras", cameras},
                  {"paths", paths},
+                 {"variants", scene.variants.names},
+                 {"variant", scene.variants.chosen ? json(*scene.variants.chosen) : json()},
                  {"bounds", bounds},
                  {"triangles", scene.triangleCount()},
                  {"instances", scene.instances.size()},

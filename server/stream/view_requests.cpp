@@ -120,8 +120,11 @@ void View::handle(const Viewer& viewer, const SceneMessage& message) {
         driver(viewer, SceneMessage::TYPE);
     }
     std::vector<SceneRecipe> scenes = host_.scenes();
-    bool known = std::any_of(scenes.begin(), scenes.end(), [&](const SceneRecipe& s) { return s.name == message.name; });
-    if (!known) throw InputError("scene.name", nlohmann::json(message.name).dump().substr(0, 80), namesOf(scenes));
+    const auto isOffered = [&](const std::string& name) {
+        return std::ranges::find(scenes, name, &SceneRecipe::name) != scenes.end();
+    };
+    if (!isOffered(sceneNameOf(message.name, isOffered).name))
+        throw InputError("scene.name", nlohmann::json(message.name).dump().substr(0, 80), namesOf(scenes));
     openScene(message.name);
 }
 

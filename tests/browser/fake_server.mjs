@@ -90,7 +90,7 @@ class FakeViewer {
   }
 
   open(name) {
-    if (!SCENES.some((scene) => scene.name === name))
+    if (!SCENES.some((scene) => scene.name === name.split('#')[0]))
       return this.refuse(`scene.name: "${name}", allowed: ${SCENES.map((s) => s.name).join(', ')}`, 'scene');
     const steps = ['reading', 'textures', 'building the acceleration structure'];
     steps.forEach((what, i) =>
@@ -121,6 +121,8 @@ class FakeViewer {
         },
       ],
       paths: ['tour'],
+      variants: name.startsWith('cornell') ? ['beach', 'street'] : [],
+      variant: name.includes('#') ? ['beach', 'street'].indexOf(name.split('#')[1]) : null,
       bounds: { low: [-3, 0, -3], high: [3, 3, 3] },
       radius: 4.5,
       triangles: 66454,

@@ -54,6 +54,37 @@ async function reloads(checks, session) {
   });
 }
 
+async function looks(checks, session) {
+  const { page } = session;
+  const menu = page.getByRole('button', { name: 'Look', exact: true });
+  await checks.check('a scene with looks offers them, from where it is seen', async () => {
+    await chooseCourtyard(session);
+    expect(!(await menu.isVisible()), 'a scene without looks offers some');
+    await page.locator('.picker').click();
+    await page.getByRole('menuitemradio', { name: /^Cornell/ }).click();
+    await session.shown('cornell');
+    await fly(session);
+    const before = (await session.state()).camera.position;
+    await menu.click();
+    expect(await page.getByRole('menuitemradio', { name: "The file's own" }).isChecked(), 'the own look');
+    await page.getByRole('menuitemradio', { name: 'street' }).click();
+    await session.shown('cornell#street');
+    expect(far((await session.state()).camera.position, before) < 1e-4, 'the camera jumped');
+    await addressSays(page, 'scene=cornell%23street');
+    await menu.click();
+    expect(await page.getByRole('menuitemradio', { name: 'street' }).isChecked(), 'the look that is shown');
+    await page.keyboard.press('Escape');
+  });
+  await checks.check('a look is kept over a reload and given back', async () => {
+    await page.reload();
+    await session.shown('cornell#street');
+    await menu.click();
+    await page.getByRole('menuitemradio', { name: "The file's own" }).click();
+    await session.shown('cornell');
+    await chooseCourtyard(session);
+  });
+}
+
 async function links(checks, session) {
   const { page } = session;
   const other = new Browser();
@@ -161,6 +192,7 @@ export async function linkChecks(checks) {
     await links(checks, session);
     await histories(checks, session);
     await framed(checks, session);
+    await looks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (links)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
     });

@@ -2,6 +2,8 @@
 
 import { el, icon, iconButton, setText, uniqueId, type IconName } from './dom.js';
 import { count, whole } from './format.js';
+import { LookMenu } from './look_menu.js';
+import { sceneOfLook } from './look_name.js';
 import { LimitBadge } from './limit_badge.js';
 import { Menu, type MenuItem } from './menu.js';
 import type { Panel } from '../panels/panel.js';
@@ -39,7 +41,8 @@ export class SceneBar {
     const frame = iconButton('frame', 'Frame all', 'V', 'tool icon-only');
     frame.addEventListener('click', () => viewer_.frameAll());
     const views = [cameras.element, frame, fullScreenButton(), link];
-    const parts = [brand, scenes.element, ...views, this.info_.element, new LimitBadge(viewer_).element];
+    const looks = new LookMenu(viewer_).element;
+    const parts = [brand, scenes.element, looks, ...views, this.info_.element, new LimitBadge(viewer_).element];
     this.element = el('header', { class: 'bar top-bar' }, ...parts);
     viewer_.on(['scene', 'hello'], () => this.refresh());
     viewer_.on(['frame'], () => this.title());
@@ -62,7 +65,8 @@ export class SceneBar {
 
   private sceneItems(): readonly MenuItem[] {
     const { hello, scene, readyName } = this.viewer_.state;
-    const present = scene?.state === 'loading' ? scene.name : readyName;
+    const offered = (hello?.scenes ?? []).map((entry) => entry.name);
+    const present = sceneOfLook(scene?.state === 'loading' ? scene.name : readyName, offered);
     return (hello?.scenes ?? []).map((entry) => ({
       label: displayName(entry.name),
       description: entry.description,

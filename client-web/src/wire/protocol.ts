@@ -5,6 +5,7 @@ import type { Bounds, Camera } from '../camera/camera.js';
 import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, type Numbers } from './fields.js';
 import { ProtocolError } from './frame.js';
 import { cameraOf, vectorOf } from './camera_fields.js';
+import { effectCostsOf, type EffectCostsMessage } from './effect_costs_message.js';
 import { partitionOf, type Partition } from './partition_message.js';
 import { watchingOf, type WatchingMessage } from './watching_message.js';
 
@@ -46,35 +47,12 @@ export interface EffectReason {
   readonly simulated: boolean; // false: the server knows of it, and no device can
 }
 
-/** What an effect costs, measured with and without it. */
-export interface EffectCost {
-  readonly name: string;
-  readonly onMs: number;
-  readonly offMs: number;
-  readonly raysOn: number;
-  readonly raysOff: number;
-}
-
-export interface EffectCosts {
-  readonly type: 'effectCosts';
-  readonly state: 'ready';
-  readonly scene: string;
-  readonly device: string;
-  readonly width: number; // pixels of the picture it was measured with
-  readonly height: number;
-  readonly scale: number; // pixels of the view over those
-  readonly rows: readonly EffectCost[];
-}
-
-export type EffectCostsMessage =
-  | EffectCosts
-  | { readonly type: 'effectCosts'; readonly state: 'measuring'; readonly share: number }
-  | { readonly type: 'effectCosts'; readonly state: 'failed'; readonly what: string };
-
 export interface SceneReady {
   readonly camera: Camera;
   readonly cameras: readonly NamedCamera[];
   readonly paths: readonly string[];
+  readonly variants: readonly string[]; // looks that the file offers
+  readonly variant: number | null; // the one that is shown; null: the file's own
   readonly bounds: Bounds;
   readonly radius: number;
   readonly triangles: number;
@@ -281,6 +259,8 @@ function sceneReadyOf(fields: Fields): SceneReady {
       ...cameraOf(entry, 'scene.cameras'),
     })),
     paths: listOf(fields['paths']).map(textOf),
+    variants: listOf(fields['variants']).map(textOf),
+    variant: typeof fields['variant'] === 'number' ? fields['variant'] : null,
     bounds: { low: vectorOf(bounds['low'], 'scene.bounds.low'), high: vectorOf(bounds['high'], 'scene.bounds.high') },
     radius: Math.max(numberOf(fields['radius'], 1), 1e-6),
     triangles: numberOf(fields['triangles']),
@@ -296,34 +276,6 @@ function sceneReadyOf(fields: Fields): SceneReady {
         setting: textOf(effect['setting']) || null,
         help: textOf(effect['help']),
         simulated: effect['simulated'] === true,
-      };
-    }),
-  };
-}
-
-function effectCostsOf(fields: Fields): EffectCostsMessage {
-  const state = fields['state'];
-  if (state === 'measuring') return { type: 'effectCosts', state, share: numberOf(fields['share']) };
-  if (state === 'failed') return { type: 'effectCosts', state, what: textOf(fields['what']) };
-  if (state !== 'ready') {
-    throw new ProtocolError(`effectCosts.state: ${String(state)}, allowed: measuring, ready, failed`);
-  }
-  return {
-    type: 'effectCosts',
-    state,
-    scene: textOf(fields['scene']),
-    device: textOf(fields['device']),
-    width: numberOf(fields['width']),
-    height: numberOf(fields['height']),
-    scale: Math.max(numberOf(fields['scale'], 1), 1),
-    rows: listOf(fields['rows']).map((entry) => {
-      const row = fieldsOf(entry);
-      return {
-        name: textOf(row['name']),
-        onMs: numberOf(row['onMs']),
-        offMs: numberOf(row['offMs']),
-        raysOn: numberOf(row['raysOn']),
-        raysOff: numberOf(row['raysOff']),
       };
     }),
   };

@@ -2,13 +2,8 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { EffectCostModel } from '../../src/panels/effects/effect_costs.js';
 import { allows, effectFigures, effectRows, effectState } from '../../src/panels/effects/effect_rows.js';
-import {
-  parseMessage,
-  type EffectCostsMessage,
-  type EffectReason,
-  type SceneReady,
-  type SettingRow,
-} from '../../src/wire/protocol.js';
+import type { EffectCostsMessage } from '../../src/wire/effect_costs_message.js';
+import { parseMessage, type EffectReason, type SceneReady, type SettingRow } from '../../src/wire/protocol.js';
 
 const CAMERA = { position: [0, 0, 0], forward: [0, 0, -1], up: [0, 1, 0], fieldOfView: 60 };
 

@@ -221,6 +221,8 @@ void SceneBuilder::setEnvironmentImage(uint32_t image, float intensity, float ro
 void SceneBuilder::setAoRadius(float metres) { data_->aoRadius = metres; }
 void SceneBuilder::setExposure(float ev) { data_->scene.exposure = ev; }
 void SceneBuilder::setAtRest(AtRest atRest) { data_->scene.atRest = std::move(atRest); }
+void SceneBuilder::setVariants(Variants variants) { data_->scene.variants = std::move(variants); }
+void SceneBuilder::setExtensions(std::vector<FileExtension> extensions) { data_->scene.extensions = std::move(extensions); }
 void SceneBuilder::warn(const std::string& message) { addWarning(*data_, message); }
 
 std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {

@@ -56,6 +56,8 @@ public:
     void setAoRadius(float metres);
     void setExposure(float ev);
     void setAtRest(AtRest atRest);
+    void setVariants(Variants variants);
+    void setExtensions(std::vector<FileExtension> extensions);
     void warn(const std::string& message);
 
     /// Ends the building; the builder is empty afterwards.

@@ -1,8 +1,10 @@
 #include "server/scene/load/gltf_loader.h"
 
 #include "server/scene/load/gltf_document.h"
+#include "server/scene/load/gltf_extensions.h"
 #include "server/scene/load/gltf_material.h"
 #include "server/scene/load/gltf_nodes.h"
+#include "server/scene/load/gltf_variants.h"
 
 #include <algorithm>
 
@@ -26,11 +28,13 @@ AtRest atRestIn(const GltfDocument& document) {
 
 }  // namespace
 
-void loadGltf(const std::filesystem::path& path, SceneBuilder& builder, const Progress& progress) {
+void loadGltf(const std::filesystem::path& path, SceneBuilder& builder, const Progress& progress, const std::string& variant) {
     report(progress, "reading", 0.0);
-    const GltfDocument document = readGltf(path);
+    GltfDocument document = readGltf(path);
     for (const std::string& warning : document.warnings) builder.warn(warning);
     builder.setAtRest(atRestIn(document));
+    builder.setExtensions(fileExtensions(document.model.extensionsUsed));
+    builder.setVariants(dressInVariant(document, variant));
     const std::vector<uint32_t> materials = addGltfMaterials(document, builder, progress);
     addGltfNodes(document, materials, builder, progress);
 }

@@ -7,7 +7,8 @@
 
 namespace heliograph {
 
-/// Adds the file's default scene to `builder`. Throws InputError: file, JSON pointer, what was found, what is allowed.
-void loadGltf(const std::filesystem::path& path, SceneBuilder& builder, const Progress& progress = {});
+/// Adds the file's default scene to `builder`. `variant`: name or number of one of its material variants, "" for its own look. Throws InputError: file, JSON pointer, what was found, what is allowed.
+void loadGltf(const std::filesystem::path& path, SceneBuilder& builder, const Progress& progress = {},
+              const std::string& variant = {});
 
 }  // namespace heliograph

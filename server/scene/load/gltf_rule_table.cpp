@@ -162,6 +162,9 @@ constexpr JsonRule RULES[] = {
     {"KHR_texture_basisu", "source", Is::index, 0, ANY, "images"},
     {"KHR_materials_variants", "variants", Is::list, -ANY, ANY, "variant"},  // of the root
     {"variant", "name", Is::text, 0, 0, "", true},
+    {"KHR_materials_variants", "mappings", Is::list, -ANY, ANY, "variantMapping"},  // of primitives
+    {"variantMapping", "material", Is::index, 0, ANY, "materials", true},
+    {"variantMapping", "variants", Is::wholes, 0, ANY, "/extensions/KHR_materials_variants/variants", true},
     {"EXT_mesh_gpu_instancing", "attributes", Is::indexMap, 0, ANY, "accessors", true},
 };
 // clang-format on

@@ -2,6 +2,7 @@
 
 #include "server/base/text.h"
 #include "server/base/error.h"
+#include "server/scene/load/gltf_extensions.h"
 #include "server/scene/load/gltf_rule_table.h"
 
 #include <algorithm>
@@ -13,31 +14,6 @@ namespace heliograph {
 using nlohmann::json;
 
 namespace {
-
-/// An extension that we read, and the kinds of object that may carry it.
-struct KnownExtension {
-    const char* name;
-    const char* on;  // property of the document: array name, or the last part of a pointer
-};
-
-constexpr KnownExtension KNOWN[] = {
-    {"KHR_lights_punctual", "nodes"},
-    {"KHR_materials_ior", "materials"},
-    {"KHR_materials_transmission", "materials"},
-    {"KHR_materials_volume", "materials"},
-    {"KHR_materials_emissive_strength", "materials"},
-    {"KHR_materials_unlit", "materials"},
-    {"KHR_materials_specular", "materials"},
-    {"KHR_materials_pbrSpecularGlossiness", "materials"},
-    {"KHR_texture_transform", ""},
-    {"KHR_mesh_quantization", ""},
-    {"EXT_mesh_gpu_instancing", "nodes"},
-    {"KHR_draco_mesh_compression", ""},
-    {"EXT_meshopt_compression", ""},
-    {"EXT_texture_webp", "textures"},
-    {"KHR_texture_basisu", "textures"},
-    {"KHR_materials_variants", ""},
-};
 
 /// How many elements each array may have: with it, a small file cannot make the parsed structures fill the memory.
 struct ArrayLimit {
@@ -70,7 +46,6 @@ public:
         checkHierarchy();
         checkNodes();
         checkData();
-        tellVariants();
         checkPlaces(root_, "", 0);
     }
 
@@ -134,18 +109,22 @@ private:
         used_ = extensionList("extensionsUsed");
         const std::set<std::string> required = extensionList("extensionsRequired");
         for (const std::string& name : required) {
-            if (!knowsGltfExtension(name)) refuse("/extensionsRequired", "unknown extension '" + name + "'", supported());
+            if (!knowsGltfExtension(name))
+                refuse("/extensionsRequired", "extension '" + name + "', which is not read: " + whyNotRead(name), supported());
             if (!used_.count(name)) warn("/extensionsRequired names '" + name + "', /extensionsUsed does not");
         }
         for (const std::string& name : used_) {
-            if (!knowsGltfExtension(name)) warn("extension '" + name + "' is not supported: ignored");
+            if (!knowsGltfExtension(name)) warn("extension '" + name + "' is not read: " + whyNotRead(name));
         }
         if (used_.count("KHR_mesh_quantization") && !required.count("KHR_mesh_quantization"))
             warn("extension 'KHR_mesh_quantization' should be in /extensionsRequired");
     }
 
     static std::string supported() {
-        return joined(KNOWN, ", ", [](const KnownExtension& known) { return std::string(known.name); });
+        std::vector<std::string> names;
+        for (const GltfExtension& row : gltfExtensions())
+            if (row.read) names.push_back(row.name);
+        return joined(names, ", ", [](const std::string& name) { return name; });
     }
 
     /// Every node has one parent at most and no node is below itself; scenes name roots only.
@@ -182,20 +161,6 @@ private:
                 if (!seen.insert(node.get<size_t>()).second) refuse(at, "node " + node.dump() + " twice", "each node once");
             }
         }
-    }
-
-    /// Other looks that the file offers: the materials that primitives name themselves are drawn.
-    void tellVariants() {
-        const json::json_pointer variants("/extensions/KHR_materials_variants/variants");
-        if (!root_.contains(variants)) return;
-        std::vector<std::string> names;
-        for (const json& variant : root_[variants])
-            names.push_back("'" + variant["name"].get<std::string>().substr(0, 40) + "'");
-        const size_t most = 20, count = names.size();
-        if (count > most) names.resize(most);
-        warn("material variants cannot be chosen, the file's own look is drawn: " +
-             joined(names, ", ", [](const std::string& n) { return n; }) +
-             (count > most ? " and " + std::to_string(count - most) + " more" : ""));
     }
 
     void checkNodes() {
@@ -264,11 +229,10 @@ private:
             if (name == "KHR_texture_transform" && insideArray)
                 warn(at + "/extensions/" + name + ": not expected here, ignored");
             if (!used_.count(name)) warn(at + "/extensions/" + name + ": the extension is not declared in /extensionsUsed");
-            for (const KnownExtension& known : KNOWN) {
-                if (name != known.name || !*known.on || at.empty()) continue;
-                if (!insideArray || at.rfind(std::string("/") + known.on + "/", 0) != 0)
-                    warn(at + "/extensions/" + name + ": not expected here, ignored");
-            }
+            const GltfExtension* row = gltfExtension(name);
+            if (!row || !row->read || !*row->on || at.empty()) continue;
+            if (!insideArray || at.rfind(std::string("/") + row->on + "/", 0) != 0)
+                warn(at + "/extensions/" + name + ": not expected here, ignored");
         }
     }
 
@@ -281,7 +245,8 @@ private:
 }  // namespace
 
 bool knowsGltfExtension(const std::string& name) {
-    return std::any_of(std::begin(KNOWN), std::end(KNOWN), [&](const KnownExtension& known) { return name == known.name; });
+    const GltfExtension* row = gltfExtension(name);
+    return row && row->read;
 }
 
 void checkGltfJson(const json& root, const std::string& file, std::vector<std::string>& warnings) {

@@ -109,8 +109,11 @@ void JsonRules::checkNumber(const JsonRule& rule, const json& value, const std::
 
 void JsonRules::checkIndex(const char* array, const json& value, const std::string& where) const {
     if (!hasType(value, Is::index)) refuse_(where, shownJson(value), "an integer");
-    const auto found = root_.find(array);
-    const size_t count = found != root_.end() && found->is_array() ? found->size() : 0;
+    const bool below = *array == '/';
+    const json* list = nullptr;
+    if (below && root_.contains(json::json_pointer(array))) list = &root_[json::json_pointer(array)];
+    if (!below && root_.contains(array)) list = &root_[array];
+    const size_t count = list && list->is_array() ? list->size() : 0;
     const double index = value.get<double>();
     if (!(index >= 0.0 && index < static_cast<double>(count)))
         refuse_(where, shownJson(value), "an index below " + std::to_string(count) + " (" + array + ")");

@@ -22,7 +22,7 @@ enum class Is {
     number,    // in [low, high]
     above,     // a number in (low, high]
     numbers,   // an array of numbers; its length in [low, high]
-    wholes,    // an array of integers that index the root's array `target`
+    wholes,    // an array of integers that index the root's array `target`, a property or a pointer that begins with '/'
     index,     // an integer that indexes the root's array `target`
     object,    // of kind `target`; an empty target: any
     list,      // an array of objects of kind `target`

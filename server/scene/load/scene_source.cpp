@@ -31,13 +31,24 @@ std::string lowerExtension(const fs::path& path) {
     return extension;
 }
 
+void checkNoVariant(const std::string& variant) {
+    if (!variant.empty()) throw InputError("variant", "'" + variant.substr(0, 80) + "'", "none: only glTF files have variants");
+}
+
 bool isRecipe(const std::string& name) {
     const std::vector<SceneRecipe>& recipes = sceneRecipes();
     return std::any_of(recipes.begin(), recipes.end(), [&](const SceneRecipe& recipe) { return recipe.name == name; });
 }
 
-void fill(const std::string& name, SceneBuilder& builder, const Progress& progress) {
+bool isSceneOrFile(const std::string& name) {
+    std::error_code error;
+    return isRecipe(name) || (name.find('\0') == std::string::npos && fs::exists(name, error));
+}
+
+void fill(const std::string& text, SceneBuilder& builder, const Progress& progress) {
+    const auto [name, variant] = sceneNameOf(text, isSceneOrFile);
     if (isRecipe(name)) {
+        checkNoVariant(variant);
         report(progress, "generating", 0.0);
         generateScene(name, builder);
         return;
@@ -49,8 +60,9 @@ void fill(const std::string& name, SceneBuilder& builder, const Progress& progre
     if (!fs::exists(path, error)) throw InputError(shown, "no such scene or file", recipeNames());
     const std::string extension = lowerExtension(path);
     if (extension == ".gltf" || extension == ".glb") {
-        loadGltf(path, builder, progress);
+        loadGltf(path, builder, progress, variant);
     } else if (extension == ".obj") {
+        checkNoVariant(variant);
         loadObj(path, builder, progress);
     } else {
         throw InputError(shown, "unknown kind of file '" + extension + "'", recipeNames());
@@ -64,6 +76,14 @@ void surround(const std::string& environment, SceneBuilder& builder, const Progr
 }
 
 }  // namespace
+
+SceneName sceneNameOf(const std::string& text, const std::function<bool(const std::string&)>& isName) {
+    if (isName(text)) return {text, {}};
+    for (size_t at = text.find('#'); at != std::string::npos; at = text.find('#', at + 1)) {
+        if (isName(text.substr(0, at))) return {text.substr(0, at), text.substr(at + 1)};
+    }
+    return {text, {}};
+}
 
 const std::vector<SceneRecipe>& sceneRecipes() { return generatedRecipes(); }
 

@@ -270,7 +270,7 @@ TEST_F(CommandsTest, InspectAnswersInJsonAndForPeople) {
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(keys(ordered_json::parse(outcome.out)),
               (std::vector<std::string>{"scene", "triangles", "instances", "materials", "lights", "textures", "bytes",
-                                        "effects", "warnings", "ms"}));
+                                        "variants", "variant", "extensions", "effects", "warnings", "ms"}));
     EXPECT_THAT(run({"inspect", "cornell"}).out, HasSubstr("calls for\n  shadows"));
 }
 

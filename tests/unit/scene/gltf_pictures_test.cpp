@@ -73,16 +73,5 @@ TEST(GltfPictures, BasisTexturesAreRefusedAlone) {
     EXPECT_THROW(open(image(KTX2), R"({"extensions":{"KHR_texture_basisu":{"source":7}}})", name), InputError);
 }
 
-TEST(GltfPictures, VariantsAreTold) {
-    const ScratchFolder folder;
-    const auto scene = openScene(folder.write(
-        "scene.gltf",
-        triangleJson(
-            dataUri(triangleBytes()),
-            R"(,"extensionsUsed":["KHR_materials_variants"],"extensions":{"KHR_materials_variants":{"variants":[{"name":"beach"},{"name":"street"}]}})")));
-    EXPECT_THAT(scene->warnings,
-                Contains(HasSubstr("material variants cannot be chosen, the file's own look is drawn: 'beach', 'street'")));
-}
-
 }  // namespace
 }  // namespace heliograph

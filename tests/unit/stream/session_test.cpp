@@ -446,6 +446,19 @@ TEST(Session, ThePathRunsAndReports) {
     EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("no camera path"));
 }
 
+TEST(Session, ASceneInOneOfItsLooks) {
+    Line line;
+    line.session->begin();
+    line.say({{"type", "scene"}, {"name", "second#beach#2"}});
+    EXPECT_EQ(line.host.opened.back(), "second#beach#2");
+    EXPECT_EQ(line.socket->last("scene")["name"], "second#beach#2");
+    EXPECT_EQ(line.socket->last("scene")["variants"], json::array());
+    EXPECT_EQ(line.socket->last("scene")["variant"], json());
+    line.say({{"type", "scene"}, {"name", "third#beach"}});
+    EXPECT_THAT(line.socket->last("error")["message"], HasSubstr("first, second, bare"));
+    EXPECT_EQ(line.host.opened.back(), "second#beach#2");
+}
+
 TEST(Session, AnotherSceneWithoutReconnect) {
     Line line;
     line.host.manual = true;

@@ -1,6 +1,6 @@
 // What is known of the effects' costs in the scene that is shown: asked for by the viewer, measured by the server.
 
-import type { EffectCosts, EffectCostsMessage } from '../../wire/protocol.js';
+import type { EffectCosts, EffectCostsMessage } from '../../wire/effect_costs_message.js';
 
 export type EffectCostState =
   | { readonly name: 'unknown' }

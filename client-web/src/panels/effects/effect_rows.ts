@@ -3,7 +3,8 @@
 
 import type { Numbers } from '../../wire/fields.js';
 import { compact, count } from '../../page/format.js';
-import type { EffectCost, EffectReason, SettingRow, SettingValue } from '../../wire/protocol.js';
+import type { EffectCost } from '../../wire/effect_costs_message.js';
+import type { EffectReason, SettingRow, SettingValue } from '../../wire/protocol.js';
 import { spacedWords } from '../../page/scene_name.js';
 
 /** Kinds of rays in `stats` that one effect alone shoots. */
