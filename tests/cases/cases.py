@@ -6,6 +6,7 @@ cases.py [--program build/release/heliograph] [--devices embree,vulkan] [NAME...
 import argparse, json, math, os, subprocess, sys, tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import gltf_cases, obj_cases, picture_cases
 from files import Gltf, SQUARE, SQUARE_INDICES, SQUARE_UV, at, data, deviation, film, mean, png, rgbe
 
 GREEN = png(2, 2, lambda x, y: (0, 255, 0))
@@ -195,7 +196,8 @@ def rough_panes(case):
     case.ask('rough with index 1.5: blurred', case.path('blurs.gltf'), lambda f: [deviation(f) < .25], (True,))
 
 
-CASES = [specular_colours, rough_panes, obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots]
+CASES = [specular_colours, rough_panes, obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots,
+         *obj_cases.CASES, *gltf_cases.CASES, *picture_cases.CASES]
 
 
 class Runner:

@@ -25,7 +25,7 @@ def rgbe(color):
 class Gltf:
     """A scene under construction; everything is in one buffer inside the file."""
     KINDS = {1: 'SCALAR', 2: 'VEC2', 3: 'VEC3', 4: 'VEC4'}
-    FORMATS = {5121: 'B', 5123: 'H', 5125: 'I', 5126: 'f'}
+    FORMATS = {5120: 'b', 5121: 'B', 5122: 'h', 5123: 'H', 5125: 'I', 5126: 'f'}
 
     def __init__(self):
         self.bytes = b''

@@ -35,6 +35,30 @@ bool isInside(const fs::path& path, const fs::path& folder) {
     return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
+/// What `relative` means where names are the same whatever the case of their ASCII letters, as on Windows: the first in the
+/// order of names. Empty where there is none, or a folder on the way holds more than MOST_LOOKED_AT.
+fs::path withoutCase(const fs::path& folder, const fs::path& relative) {
+    constexpr size_t MOST_LOOKED_AT = 4096;
+    fs::path at = folder;
+    for (const fs::path& part : relative) {
+        std::error_code error;
+        if (fs::exists(at / part, error)) {
+            at /= part;
+            continue;
+        }
+        std::string best;
+        size_t looked = 0;
+        for (fs::directory_iterator entry(at, error), end; !error && entry != end; entry.increment(error)) {
+            if (++looked > MOST_LOOKED_AT) return {};
+            const std::string name = entry->path().filename().string();
+            if (sameButForCase(name, part.string()) && (best.empty() || name < best)) best = name;
+        }
+        if (best.empty()) return {};
+        at /= best;
+    }
+    return at;
+}
+
 }  // namespace
 
 std::vector<uint8_t> readFile(const fs::path& path, uint64_t mostBytes) {
@@ -71,6 +95,16 @@ std::string percentDecoded(std::string_view text, const std::string& where) {
         decoded.push_back(c);
     }
     return decoded;
+}
+
+bool sameButForCase(std::string_view a, std::string_view b) {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+    return std::ranges::equal(a, b, {}, lower, lower);
+}
+
+std::string withoutBlanks(std::string text) {
+    std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
+    return text;
 }
 
 bool decodeBase64(std::string_view text, std::vector<uint8_t>& bytes) {
@@ -110,7 +144,11 @@ fs::path FileFolder::resolve(const std::string& reference, const std::string& wh
     if (relative.is_absolute() || hasScheme || climbs || reference.find('\\') != std::string::npos)
         throw InputError(where, shown(reference), allowed);
     std::error_code error;
-    const fs::path path = fs::canonical(folder_ / relative, error);
+    fs::path path = fs::canonical(folder_ / relative, error);
+    if (error) {
+        const fs::path other = withoutCase(folder_, relative);
+        if (!other.empty()) path = fs::canonical(other, error);
+    }
     if (error) throw InputError(where, shown(reference) + " does not exist");
     if (!isInside(path, folder_)) throw InputError(where, shown(reference) + " leads out of the folder", allowed);
     return path;

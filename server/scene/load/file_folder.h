@@ -18,6 +18,12 @@ std::vector<uint8_t> readFile(const std::filesystem::path& path, uint64_t mostBy
 /// Undoes %XX. Throws InputError naming `where` for a broken escape.
 std::string percentDecoded(std::string_view text, const std::string& where);
 
+/// Equal but for the case of ASCII letters.
+bool sameButForCase(std::string_view a, std::string_view b);
+
+/// Without blanks and ends of lines, which some programs put between the letters of base64.
+std::string withoutBlanks(std::string text);
+
 /// Undoes base64; false for a character or length that is not base64.
 bool decodeBase64(std::string_view text, std::vector<uint8_t>& bytes);
 
@@ -26,7 +32,8 @@ class FileFolder {
 public:
     explicit FileFolder(const std::filesystem::path& sceneFile);
 
-    /// Path of the file that a relative reference means ('/' separates). Throws InputError naming `where` for an
+    /// Path of the file that a relative reference means ('/' separates); where there is none, of one whose name differs in the
+    /// case of letters. Throws InputError naming `where` for an
     /// absolute path, a scheme, "..", a NUL, a missing file, or a file that lies outside after all.
     std::filesystem::path resolve(const std::string& reference, const std::string& where) const;
 

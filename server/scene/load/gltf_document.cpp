@@ -174,14 +174,16 @@ private:
 
     ByteSpan fromUri(const std::string& uri, const std::string& at, bool isBuffer) {
         std::vector<uint8_t> bytes;
-        if (uri.rfind("data:", 0) == 0) {
+        if (sameButForCase(uri.substr(0, 5), "data:")) {
             const size_t comma = uri.find(',');
             if (comma == std::string::npos)
                 throw InputError(document_.at(at), "a data URI without data", "data:<type>;base64,<data>");
             const std::string head = uri.substr(0, std::min(comma, size_t(200)));
             const std::string_view data = std::string_view(uri).substr(comma + 1);
-            if (head.size() >= 7 && head.compare(head.size() - 7, 7, ";base64") == 0) {
-                if (!decodeBase64(data, bytes)) throw InputError(document_.at(at), "broken base64 data");
+            if (head.size() >= 7 && sameButForCase(head.substr(head.size() - 7), ";base64")) {
+                const bool plain =
+                    decodeBase64(data, bytes) || decodeBase64(withoutBlanks(percentDecoded(data, document_.at(at))), bytes);
+                if (!plain) throw InputError(document_.at(at), "broken base64 data");
             } else {
                 const std::string plain = percentDecoded(data, document_.at(at));
                 bytes.assign(plain.begin(), plain.end());

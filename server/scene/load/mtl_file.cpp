@@ -106,8 +106,7 @@ private:
             setOption(option, after, most, map);
             rest = after;
         }
-        std::string_view name = trimmed(rest);
-        if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+        const std::string_view name = unquoted(trimmed(rest));
         map.file = name;
         if (name.empty()) leaveOut(std::string(key) + " without a name");
     }

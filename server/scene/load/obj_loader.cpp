@@ -119,7 +119,9 @@ private:
         for (MtlMaterial& material : mtl.materials) {
             material.folder = std::filesystem::path(inFolder).parent_path().string();
             std::string key = material.name;
-            library_.try_emplace(std::move(key), std::move(material));  // the first of a name
+            const std::string bare(beforeComment(key));
+            if (!bare.empty()) library_.try_emplace(bare, material);
+            if (!library_.try_emplace(std::move(key), std::move(material)).second) twice_.push_back(material.name);
         }
         return true;
     }
@@ -129,7 +131,8 @@ private:
         std::string_view rest = names;
         while (!(rest = trimmed(rest)).empty()) {
             size_t end = rest.size();
-            while (!readLibrary(std::string(trimmed(rest.substr(0, end))))) {
+            if (const size_t close = rest.find('"', 1); rest.front() == '"' && close != std::string_view::npos) end = close + 1;
+            while (!readLibrary(std::string(unquoted(trimmed(rest.substr(0, end)))))) {
                 const size_t blank = rest.find_last_of(" \t", end - 1);
                 if (blank == std::string_view::npos || blank == 0) {
                     end = 0;
@@ -158,16 +161,21 @@ private:
         std::vector<std::string> missing;
         for (size_t i = 0; i < indices.size(); i++) {
             if (!used[i]) continue;
-            const auto found = library_.find(obj_.materials[i]);
+            auto found = library_.find(obj_.materials[i]);
+            if (found == library_.end()) found = library_.find(std::string(beforeComment(obj_.materials[i])));
             if (found != library_.end()) indices[i] = converter.add(found->second);
             else missing.push_back(obj_.materials[i]);
         }
-        if (!missing.empty()) {
-            const size_t shown = std::min(missing.size(), MOST_NAMED);
-            builder_.warn(std::to_string(missing.size()) + " materials are in no material file and white: '" +
-                          joined(std::span(missing).first(shown), "', '") + (shown < missing.size() ? "' ..." : "'"));
-        }
+        warnOf(missing, " materials are in no material file and white: ");
+        warnOf(twice_, " materials stand twice, the first of each is drawn: ");
         return indices;
+    }
+
+    void warnOf(const std::vector<std::string>& names, const std::string& what) {
+        if (names.empty()) return;
+        const size_t shown = std::min(names.size(), MOST_NAMED);
+        builder_.warn(std::to_string(names.size()) + what + "'" + joined(std::span(names).first(shown), "', '") +
+                      (shown < names.size() ? "' ..." : "'"));
     }
 
     std::vector<vec3> madeNormals() const {
@@ -223,6 +231,7 @@ private:
     ObjFile obj_;
     std::vector<vec3> positions_;
     std::unordered_map<std::string, MtlMaterial> library_;
+    std::vector<std::string> twice_;  // names of materials that a file before, or the same one, had
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/scene/load/file_folder.h"
+#include "server/scene/load/obj_text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -109,15 +110,22 @@ uint32_t ObjMaterials::texture(const MtlMaterial& from, const std::string& key, 
     return builder_.addTexture(slot);
 }
 
-/// Beside the MTL file, where the format looks for it, or beside the OBJ file, as many exporters mean it.
+/// Beside the MTL file, where the format looks for it, or beside the OBJ file, as many exporters mean it; a name that is not
+/// there may have a comment behind it.
 std::filesystem::path ObjMaterials::find(const std::string& folder, const std::string& name) const {
     const std::string where = file_ + ": material image";
-    if (folder.empty()) return folder_.resolve(pathFrom({}, name), where);
-    try {
-        return folder_.resolve(pathFrom(folder, name), where);
-    } catch (const InputError&) {
-        return folder_.resolve(pathFrom({}, name), where);
+    const std::string bare(unquoted(beforeComment(name)));
+    std::vector<std::string> places;
+    for (const std::string& one : {name, bare}) {
+        if (!one.empty() && !folder.empty()) places.push_back(pathFrom(folder, one));
+        if (!one.empty()) places.push_back(pathFrom({}, one));
     }
+    for (const std::string& place : places) {
+        try {
+            return folder_.resolve(place, where);
+        } catch (const InputError&) {}
+    }
+    return folder_.resolve(pathFrom({}, name), where);
 }
 
 uint32_t ObjMaterials::image(const std::string& folder, const std::string& name, bool srgb) {

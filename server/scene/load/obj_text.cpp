@@ -14,12 +14,43 @@ constexpr size_t LONGEST_LINE = size_t(16) << 20;  // bytes; a face of a million
 constexpr std::string_view BLANKS = " \t\v\f";
 constexpr std::string_view MARK = "\xef\xbb\xbf";  // byte order mark
 
+void appendUtf8(std::string& text, uint32_t code) {
+    const auto tail = [&](int shift) { text.push_back(static_cast<char>(0x80 | (code >> shift & 0x3f))); };
+    if (code < 0x80) return text.push_back(static_cast<char>(code));
+    if (code < 0x800) text.push_back(static_cast<char>(0xc0 | code >> 6));
+    else if (code < 0x10000) text.push_back(static_cast<char>(0xe0 | code >> 12));
+    else text.push_back(static_cast<char>(0xf0 | code >> 18));
+    if (code >= 0x10000) tail(12);
+    if (code >= 0x800) tail(6);
+    tail(0);
+}
+
+/// UTF-16 (RFC 2781) as UTF-8; half a pair becomes U+FFFD, half a unit at the end is left out. `high`: place of a unit's upper byte.
+std::string utf8Of(std::span<const uint8_t> bytes, size_t high) {
+    std::string text;
+    text.reserve(bytes.size() / 2);
+    const auto unit = [&](size_t i) -> uint32_t { return uint32_t(bytes[i + high]) << 8 | bytes[i + 1 - high]; };
+    for (size_t i = 0; i + 2 <= bytes.size(); i += 2) {
+        uint32_t code = unit(i);
+        const bool first = code >= 0xd800 && code < 0xdc00, half = code >= 0xd800 && code < 0xe000;
+        const uint32_t second = first && i + 4 <= bytes.size() ? unit(i + 2) : 0;
+        if (second >= 0xdc00 && second < 0xe000) {
+            code = 0x10000 + ((code - 0xd800) << 10 | (second - 0xdc00));
+            i += 2;
+        } else if (half) {
+            code = 0xfffd;
+        }
+        appendUtf8(text, code);
+    }
+    return text;
+}
+
 }  // namespace
 
 ObjLines::ObjLines(std::span<const uint8_t> bytes, std::string file)
     : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()), file_(std::move(file)) {
-    const bool utf16 = text_.starts_with("\xff\xfe") || text_.starts_with("\xfe\xff");
-    if (utf16) throw InputError(file_, "UTF-16 text", "UTF-8 or ASCII text");
+    const bool little = text_.starts_with("\xff\xfe");
+    if (little || text_.starts_with("\xfe\xff")) text_ = converted_ = utf8Of(bytes, little ? 1 : 0);
     if (const size_t nul = text_.find('\0'); nul != std::string_view::npos)
         throw InputError(file_, "a NUL character at byte " + std::to_string(nul), "text");
 }
@@ -93,6 +124,17 @@ size_t numbersIn(std::string_view line, std::span<double> numbers, bool* whole) 
         numbers[count++] = *number;
     }
     return count;
+}
+
+std::string_view beforeComment(std::string_view name) {
+    for (size_t at = name.rfind('#'); at != std::string_view::npos && at > 0; at = name.rfind('#', at - 1)) {
+        if (BLANKS.find(name[at - 1]) != std::string_view::npos) return trimmed(name.substr(0, at));
+    }
+    return {};
+}
+
+std::string_view unquoted(std::string_view name) {
+    return name.size() >= 2 && name.front() == '"' && name.back() == '"' ? name.substr(1, name.size() - 2) : name;
 }
 
 }  // namespace heliograph

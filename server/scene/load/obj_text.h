@@ -16,8 +16,9 @@ namespace heliograph {
 /// blanks around. Ends of lines: LF, CR LF or CR.
 class ObjLines {
 public:
-    /// `file`: for messages. Throws InputError for UTF-16 and for NUL characters, which no text has.
+    /// UTF-8, or UTF-16 with a byte order mark. `file`: for messages. Throws InputError for NUL characters, which no text has.
     ObjLines(std::span<const uint8_t> bytes, std::string file);
+    ObjLines(const ObjLines&) = delete;
 
     /// The next line that is not empty. Its text is valid until the next call. Throws InputError for one that is too long.
     std::optional<std::string_view> next();
@@ -31,6 +32,7 @@ public:
 private:
     std::string_view row();
 
+    std::string converted_;  // of UTF-16
     std::string_view text_;
     std::string file_;
     std::string joined_;
@@ -41,6 +43,11 @@ private:
 
 /// The next word of the line, which is cut off its front; empty at the end.
 std::string_view nextWord(std::string_view& line);
+/// What stands before the last blank and # of a name, which begin a comment unless they belong to the name ("Material #25");
+/// empty where there are none.
+std::string_view beforeComment(std::string_view name);
+/// Without the quotation marks that stand around it.
+std::string_view unquoted(std::string_view name);
 /// Without blanks around.
 std::string_view trimmed(std::string_view text);
 /// The number that the word begins with; none where it begins otherwise. Beyond what a double holds: infinite. `whole`, if given,

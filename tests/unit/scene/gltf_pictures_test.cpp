@@ -50,6 +50,20 @@ TEST(GltfPictures, ThoseThatAreMissingOrForbiddenAreTold) {
                 Contains(AllOf(HasSubstr("'../outside.png'"), HasSubstr("a relative path inside the scene file's folder"))));
 }
 
+TEST(GltfPictures, DataMayBeEscapedBrokenIntoLinesOrNamedInCapitals) {
+    const std::string head = "data:image/png;", text = PNG.substr(PNG.find(',') + 1);
+    std::string escaped;
+    for (const char c : text) escaped += c == '+' ? "%2B" : c == '/' ? "%2f" : c == '=' ? "%3D" : std::string(1, c);
+    const std::string lines = text.substr(0, 40) + "\\r\\n " + text.substr(40);  // as JSON escapes them
+    for (const std::string uri : {head + "charset=utf-8;base64," + text, "DATA" + PNG.substr(4), head + "BASE64," + text,
+                                  head + "base64," + escaped, head + "base64," + lines}) {
+        SCOPED_TRACE(uri);
+        const auto scene = open(image(uri), R"({"source":0})");
+        ASSERT_EQ(scene->images.size(), 1u);
+        EXPECT_EQ(scene->texels, open(image(PNG), R"({"source":0})")->texels);
+    }
+}
+
 TEST(GltfPictures, WebpIsReadWhereThereIsNothingElse) {
     const std::string webp = R"({"extensions":{"EXT_texture_webp":{"source":1}}})",
                       both = R"({"source":0,"extensions":{"EXT_texture_webp":{"source":1}}})";

@@ -1,4 +1,5 @@
 #include "server/base/error.h"
+#include "server/scene/load/obj_text.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/unit/scene/scene_files.h"
 
@@ -185,6 +186,56 @@ TEST(ObjLoader, KeepsTheShapeOfWhatIsFarFromTheOrigin) {
     for (const auto& [a, b] : {std::pair(0, 1), std::pair(1, 2)})
         EXPECT_EQ(far->positions[b] - far->positions[a], near->positions[b] - near->positions[a]);
     EXPECT_THAT(at("7", "3")->warnings, ::testing::Not(Contains(HasSubstr("moved"))));
+}
+
+/// The units of ASCII text as UTF-16, with a mark before it.
+std::string utf16(const std::string& text, bool little) {
+    std::string bytes = little ? "\xff\xfe" : "\xfe\xff";
+    for (const char c : text) bytes += little ? std::string{c, '\0'} : std::string{'\0', c};
+    return bytes;
+}
+
+TEST(ObjLoader, ReadsUtf16) {
+    const ScratchFolder folder;
+    for (const bool little : {true, false}) {
+        folder.write("m.mtl", utf16("newmtl m\nKd 1 0 0\n", little));
+        const auto scene = openScene(folder.write("a.obj", utf16("mtllib m.mtl\n" + SQUARE + "usemtl m\nf 1 2 3\n", little)));
+        EXPECT_EQ(scene->triangleCount(), 1u);
+        EXPECT_EQ(scene->materials[scene->triangles[0].w].baseColor.y, 0.0f);
+    }
+    // A pair of units is one letter, half a pair is none, half a unit is left out.
+    const std::string name("\xff\xfe\x3d\xd8\x0a\xde=\xd8x", 9);
+    ObjLines lines(std::span(reinterpret_cast<const uint8_t*>(name.data()), name.size()), "a");
+    EXPECT_EQ(lines.next(), "\xf0\x9f\x98\x8a\xef\xbf\xbd");
+}
+
+TEST(ObjLoader, ACommentBehindANameIsNoneWhereTheNameIsThere) {
+    const ScratchFolder folder;
+    folder.write("m.mtl", "newmtl Material #25\nKd 1 0 0\nnewmtl red # so\nKd 0.5 0 0\nnewmtl red\nKd 0 0 0\n");
+    const auto red = [&](const std::string& use) {
+        const auto scene = openScene(folder.write("a.obj", "mtllib m.mtl\n" + SQUARE + "usemtl " + use + "\nf 1 2 3\n"));
+        EXPECT_THAT(scene->warnings, Contains(HasSubstr("1 materials stand twice, the first of each is drawn: 'red'")));
+        return scene->materials[scene->triangles[0].w].baseColor.x;
+    };
+    EXPECT_EQ(red("Material #25"), 1.0f);
+    EXPECT_EQ(red("Material #25 # the first"), 1.0f);
+    EXPECT_EQ(red("red"), 0.5f);
+    EXPECT_EQ(red("red # so"), 0.5f);
+}
+
+TEST(ObjLoader, FindsFilesWhateverTheCaseOfTheirNames) {
+    const ScratchFolder folder;
+    folder.write("Lib/Red.MTL", "newmtl m\nKd 1 0 0\n");
+    folder.write("lib.mtl", "newmtl m\nKd 0.25 0 0\n");
+    folder.write("LIB.mtl", "newmtl m\nKd 0.5 0 0\n");
+    const auto red = [&](const std::string& library) {
+        const auto scene = openScene(folder.write("a.obj", "mtllib " + library + "\n" + SQUARE + "usemtl m\nf 1 2 3\n"));
+        return scene->materials[scene->triangles[0].w].baseColor.x;
+    };
+    EXPECT_EQ(red("lib/red.mtl"), 1.0f);
+    EXPECT_EQ(red("\"LIB\\RED.mtl\""), 1.0f);
+    EXPECT_EQ(red("lib.mtl"), 0.25f) << "the same name comes first";
+    EXPECT_EQ(red("Lib.Mtl"), 0.5f) << "then the first in their order";
 }
 
 }  // namespace
