@@ -6,7 +6,7 @@ cases.py [--program build/release/heliograph] [--devices embree,vulkan] [NAME...
 import argparse, json, math, os, subprocess, sys, tempfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import gltf_cases, obj_cases, picture_cases
+import far_cases, gltf_cases, obj_cases, picture_cases
 from files import Gltf, SQUARE, SQUARE_INDICES, SQUARE_UV, at, data, deviation, film, mean, png, rgbe
 
 GREEN = png(2, 2, lambda x, y: (0, 255, 0))
@@ -29,6 +29,11 @@ class Case:
     def ask(self, what, file, measure, expected, tolerance=0.01, warns=None, options=()):
         """`measure` of the film of `file` must be `expected`; a function: of the film of another file, given by name."""
         self.questions.append((what, file, measure, expected, tolerance, warns, tuple(options)))
+
+
+    def alike(self, file, share=.995):
+        """Of the pixels that the devices make of `file`, at least that share is the same bit by bit."""
+        self.questions.append(('the same on every device', file, None, (share,), 0, None, ()))
 
 
 def unlit_square(case, name, colors=None, uri=None, component=5126):
@@ -197,7 +202,8 @@ def rough_panes(case):
 
 
 CASES = [specular_colours, rough_panes, obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots,
-         *obj_cases.CASES, *gltf_cases.CASES, *picture_cases.CASES]
+         *obj_cases.CASES, *gltf_cases.CASES, *picture_cases.CASES,
+         *far_cases.CASES]
 
 
 class Runner:
@@ -213,10 +219,15 @@ class Runner:
             self.films[key] = (film(out), done.stderr) if done.returncode == 0 else (None, done.stderr)
         return self.films[key]
 
-    def answer(self, device, question):
+    def answer(self, device, question, devices):
         """What was seen, as text, and whether it is right."""
         what, file, measure, expected, tolerance, warns, options = question
         rows, said = self.film(device, file, options)
+        if measure is None:
+            other, _ = self.film(devices[0], file, options)
+            pairs = [a == b for row, against in zip(rows or [], other or []) for a, b in zip(row, against)]
+            share = sum(pairs) / len(pairs) if pairs else 0
+            return '%.4f' % share, share >= expected[0]
         if rows is None:
             return said.strip().splitlines()[-1][:60] if said.strip() else 'no film', False
         if isinstance(expected, str):
@@ -231,7 +242,7 @@ class Runner:
             expected = question[3] if not isinstance(question[3], str) else 'as ' + os.path.basename(question[3])
             cells, right = [], True
             for device in devices:
-                seen, good = self.answer(device, question)
+                seen, good = self.answer(device, question, devices)
                 cells.append('%-24s' % seen)
                 right = right and good
             self.passed, self.failed = self.passed + right, self.failed + (not right)

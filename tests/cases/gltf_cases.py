@@ -248,4 +248,22 @@ def looks(case):
         case.ask('look ' + ' '.join(options), case.path('looks.gltf'), middle, seen, options=options)
 
 
-CASES = [sampler_wraps, texture_places, names_and_data, containers, vertex_alpha, vertex_layouts, instances, looks]
+def parallel_cameras(case):
+    """Two equal squares, one three metres behind the other, are equally large; one behind the camera is told."""
+    for name, height, behind in (('one', 1, False), ('small', .05, False), ('behind', 1, True)):
+        scene = Gltf()
+        for side, depth in ((-1, 0), (1, -3)):
+            square = [((x * .25 + side * .5) * height, y * .5 * height, float(depth)) for x, y, z in SQUARE]
+            scene.node(mesh=scene.mesh(square, SQUARE_INDICES, scene.unlit()))
+        scene.node(mesh=scene.mesh([(x * 9, y * 9, -4.0) for x, y, z in SQUARE], SQUARE_INDICES, scene.unlit(baseColorFactor=[0, 0, 0, 1])))
+        if behind:
+            scene.node(mesh=scene.mesh([(x * .01, y * .01 + 20, 5.0) for x, y, z in SQUARE], SQUARE_INDICES, scene.unlit()))
+        lens = scene.add('cameras', {'type': 'orthographic', 'name': 'plan', 'orthographic': {'xmag': height, 'ymag': height, 'znear': .01, 'zfar': 9}})
+        scene.node(camera=lens, translation=[0, 0, 2])
+        scene.save(case.path(name + '.gltf'))
+        edges = lambda f: [round(at(f, x, y)[0]) for x, y in ((.16, .5), (.35, .28), (.44, .5), (.25, .2), (.56, .5), (.65, .28), (.84, .5), (.75, .2))]
+        case.ask(f'a parallel camera, {name}', case.path(name + '.gltf'), edges, (1, 1, 0, 0, 0, 1, 1, 0), warns='stands behind it' if behind else 'parallel')
+
+
+CASES = [sampler_wraps, texture_places, names_and_data, containers, vertex_alpha, vertex_layouts, instances, looks,
+         parallel_cameras]

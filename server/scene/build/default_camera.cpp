@@ -119,4 +119,25 @@ NamedCamera defaultCamera(const Scene& scene) {
     return camera;
 }
 
+NamedCamera cameraFromAfar(const NamedCamera& parallel, float halfHeight, const Bounds& bounds) {
+    constexpr double NARROWEST = 0.0101;  // degrees; a camera may have 0.01
+    const dvec3 forward(parallel.forward), position(parallel.position);
+    const dvec3 middle = bounds.empty() ? position : 0.5 * (dvec3(bounds.low) + dvec3(bounds.high));
+    const double radius = std::max(bounds.empty() ? 0.0 : double(bounds.radius()), double(halfHeight));
+    const double farthest = halfHeight / std::tan(0.5 * NARROWEST * std::numbers::pi / 180.0);
+    const double distance = std::min(AFAR * radius, farthest);
+    NamedCamera camera = parallel;
+    camera.position = vec3(position + forward * (glm::dot(middle - position, forward) - distance));
+    camera.fieldOfView = static_cast<float>(2.0 * std::atan(halfHeight / distance) * 180.0 / std::numbers::pi);
+    return camera;
+}
+
+bool hasSomethingBehind(const NamedCamera& camera, const Bounds& bounds) {
+    if (bounds.empty()) return false;
+    const dvec3 half = 0.5 * (dvec3(bounds.high) - dvec3(bounds.low));
+    const dvec3 forward(camera.forward);
+    const double middle = glm::dot(dvec3(bounds.low) + half - dvec3(camera.position), forward);
+    return middle - glm::dot(half, glm::abs(forward)) < -1e-4 * glm::length(half);
+}
+
 }  // namespace heliograph

@@ -1,5 +1,5 @@
 #pragma once
-// A viewpoint for scenes that name none. Private to server/scene.
+// Viewpoints that no file names as they are: where there is none, and of parallel projections. Private to server/scene.
 
 #include "server/scene/scene.h"
 
@@ -8,5 +8,20 @@ namespace heliograph {
 /// Frames the scene's bounds from the front, above and to the right. A scene that looks like a room from its middle
 /// (most rays from there meet surfaces whose normals face it) is seen from inside, along its longest side.
 NamedCamera defaultCamera(const Scene& scene);
+
+/// A camera with a parallel projection as one that looks from AFAR radii away, where sizes in a scene differ by less than 1 / AFAR
+/// from its middle to its ends: its middle is shown as large as `halfHeight`, in metres, asks for.
+constexpr double AFAR = 400.0;
+/// A camera with a parallel projection on its way through SceneBuilder, whose finish() gives it its place: a field of view below 0
+/// says how much it shows above and below its middle, metres.
+inline NamedCamera parallelCamera(NamedCamera camera, float halfHeight) {
+    camera.fieldOfView = -halfHeight;
+    return camera;
+}
+/// 0 for one with a perspective.
+inline float halfHeightOf(const NamedCamera& camera) { return camera.fieldOfView < 0.0f ? -camera.fieldOfView : 0.0f; }
+NamedCamera cameraFromAfar(const NamedCamera& parallel, float halfHeight, const Bounds& bounds);
+/// Whether some of the bounds is behind the camera: seen from afar it stands in the way.
+bool hasSomethingBehind(const NamedCamera& camera, const Bounds& bounds);
 
 }  // namespace heliograph

@@ -245,6 +245,7 @@ std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
     report(progress, "images", 1.0);
     buildEnvironmentTables(scene, surroundings, smooth);
     buildLights(draft, appendEmitters(scene));
+    placeParallelCameras(draft);
     checkCameras(draft);
     if (scene.cameras.empty()) scene.cameras.push_back(defaultCamera(scene));
     scene.aoRadius = draft.aoRadius.value_or(0.1f * scene.bounds.radius());

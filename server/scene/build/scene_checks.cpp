@@ -1,5 +1,7 @@
 #include "server/scene/build/scene_checks.h"
 
+#include "server/scene/build/default_camera.h"
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -148,6 +150,17 @@ void checkLights(SceneDraft& draft) {
     const size_t dropped = dropUnless(draft.lights, repairLight);
     if (dropped > 0)
         addWarning(draft, std::to_string(dropped) + " lights were left out: not finite, without direction or beyond 1e18");
+}
+
+void placeParallelCameras(SceneDraft& draft) {
+    for (NamedCamera& camera : draft.scene.cameras) {
+        const float halfHeight = halfHeightOf(camera);
+        if (!(halfHeight > 0.0f) || !repairCamera(camera)) continue;  // checkCameras drops what cannot be repaired
+        const bool behind = hasSomethingBehind(camera, draft.scene.bounds);
+        camera = cameraFromAfar(camera, halfHeight, draft.scene.bounds);
+        addWarning(draft, "camera '" + camera.name + "' has a parallel projection: drawn from afar" +
+                              (behind ? "; what stands behind it hides what it looks at" : ""));
+    }
 }
 
 void checkCameras(SceneDraft& draft) {

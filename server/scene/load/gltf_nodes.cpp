@@ -1,6 +1,7 @@
 #include "server/scene/load/gltf_nodes.h"
 
 #include "server/base/error.h"
+#include "server/scene/build/default_camera.h"
 #include "server/scene/load/far_origin.h"
 #include "server/scene/load/gltf_accessor.h"
 #include "server/scene/load/gltf_mesh.h"
@@ -255,9 +256,11 @@ private:
 
     void placeCamera(const tinygltf::Node& node, const dmat4& toWorld) {
         const tinygltf::Camera& from = document_.model.cameras[static_cast<size_t>(node.camera)];
-        if (from.type != "perspective") {
-            builder_.warn("camera '" + from.name + "' of type '" + from.type.substr(0, 40) +
-                          "' is not offered: only perspective ones are");
+        const bool parallel = from.type == "orthographic";
+        const double halfHeight = std::abs(from.orthographic.ymag);
+        if ((from.type != "perspective" && !parallel) || (parallel && !(halfHeight >= 1e-9 && halfHeight <= 1e9))) {
+            builder_.warn("camera '" + from.name + "' of type '" + from.type.substr(0, 40) + "' is not offered" +
+                          (parallel ? ": ymag " + std::to_string(from.orthographic.ymag) + "; allowed: 1e-9 to 1e9" : ""));
             return;
         }
         NamedCamera camera;
@@ -265,6 +268,7 @@ private:
         camera.position = vec3(toWorld[3]);
         camera.forward = direction(toWorld, 2, -1.0);
         camera.up = direction(toWorld, 1, 1.0);
+        if (parallel) return builder_.addCamera(parallelCamera(camera, static_cast<float>(halfHeight)));
         camera.fieldOfView = static_cast<float>(from.perspective.yfov * 180.0 / std::numbers::pi);
         builder_.addCamera(camera);
     }
