@@ -34,7 +34,7 @@ def far_away(case):
         scene.light(place, [0, 0, 0, 1], type='directional', intensity=3)
         scene.camera((place[0], 0, 3), 50)
         scene.save(case.path(f'{power}.gltf'))
-        case.ask(f'a sphere at 2^{power} m', case.path(f'{power}.gltf'), look, case.path('10.gltf'), 2e-4, warns='origin' if power > 12 else None)
+        case.ask(f'a sphere at 2^{power} m', case.path(f'{power}.gltf'), look, case.path('10.gltf'), 2e-4, warns=str(2 ** power) if power > 12 else None)
         case.alike(case.path(f'{power}.gltf'))
 
 
