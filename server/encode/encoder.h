@@ -19,8 +19,9 @@ class Encoder {
 public:
     virtual ~Encoder() = default;
     virtual std::string mimeType() const = 0;
-    /// Encodes into `bytes` (replaced). `quality` in [1, 100] where the format has one. Throws std::runtime_error.
-    virtual void encode(const DisplayImage& image, uint32_t quality, std::vector<uint8_t>& bytes) = 0;
+    /// Encodes into `bytes` (replaced). `quality` in [1, 100] where the format has one. Returns the processor time, in seconds,
+    /// that other threads than the caller's spent on it. Throws std::runtime_error.
+    virtual double encode(const DisplayImage& image, uint32_t quality, std::vector<uint8_t>& bytes) = 0;
 };
 
 }  // namespace heliograph

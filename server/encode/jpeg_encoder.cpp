@@ -2,7 +2,6 @@
 
 #include "server/encode/jpeg_stripes.h"
 
-#include <tbb/parallel_for.h>
 #include <turbojpeg.h>
 
 #include <algorithm>
@@ -30,24 +29,23 @@ private:
 
 class JpegEncoder : public Encoder {
 public:
-    explicit JpegEncoder(JpegThreads threads) : threads_(threads) {}
+    explicit JpegEncoder(StripeThreads threads) : threads_(threads) {}
 
     std::string mimeType() const override { return "image/jpeg"; }
 
-    void encode(const DisplayImage& image, uint32_t quality, std::vector<uint8_t>& bytes) override {
+    double encode(const DisplayImage& image, uint32_t quality, std::vector<uint8_t>& bytes) override {
         if (image.width == 0 || image.height == 0) throw std::runtime_error("jpeg: no pixels");
         const uint32_t count = (image.height + JPEG_STRIPE_ROWS - 1) / JPEG_STRIPE_ROWS;
         const bool fine = quality >= FULL_COLOUR_QUALITY;
         const uint32_t unit = fine ? 8 : 16;
         if (stripes_.size() < count) stripes_.resize(count);
         auto code = [&](uint32_t i) { encodeStripe(image, i * JPEG_STRIPE_ROWS, quality, fine, stripes_[i]); };
-        if (threads_ == JpegThreads::all && count > 1) tbb::parallel_for(0u, count, code);
-        else
-            for (uint32_t i = 0; i < count; i++) code(i);
+        const double others = forEachStripe(count, threads_, code);
         std::vector<std::span<const uint8_t>> files;
         for (uint32_t i = 0; i < count; i++) files.emplace_back(stripes_[i].bytes.data(), stripes_[i].size);
         bytes.clear();
         joinStripes(files, image.height, (image.width + unit - 1) / unit * (JPEG_STRIPE_ROWS / unit), bytes);
+        return others;
     }
 
 private:
@@ -74,12 +72,12 @@ private:
         }
     }
 
-    JpegThreads threads_;
+    StripeThreads threads_;
     std::vector<Stripe> stripes_;
 };
 
 }  // namespace
 
-std::unique_ptr<Encoder> makeJpegEncoder(JpegThreads threads) { return std::make_unique<JpegEncoder>(threads); }
+std::unique_ptr<Encoder> makeJpegEncoder(StripeThreads threads) { return std::make_unique<JpegEncoder>(threads); }
 
 }  // namespace heliograph

@@ -3,6 +3,7 @@
 // in stripes of JPEG_STRIPE_ROWS rows, whoever codes them: the bytes do not depend on the number of threads.
 
 #include "server/encode/encoder.h"
+#include "server/encode/stripes.h"
 
 #include <memory>
 
@@ -10,10 +11,7 @@ namespace heliograph {
 
 constexpr uint32_t JPEG_STRIPE_ROWS = 64;
 
-/// Who codes the stripes of a picture.
-enum class JpegThreads { own, all };
-
-/// For one thread at a time. `all`: the processor's other cores help where they have nothing else to do.
-std::unique_ptr<Encoder> makeJpegEncoder(JpegThreads threads = JpegThreads::own);
+/// For one thread at a time.
+std::unique_ptr<Encoder> makeJpegEncoder(StripeThreads threads = StripeThreads::own);
 
 }  // namespace heliograph

@@ -39,7 +39,7 @@ public:
     std::string mimeType() const override { return "image/png"; }
 
     /// `quality` has no meaning here.
-    void encode(const DisplayImage& image, uint32_t, std::vector<uint8_t>& bytes) override {
+    double encode(const DisplayImage& image, uint32_t, std::vector<uint8_t>& bytes) override {
         bytes.clear();
         WriteState state;
         png_set_write_fn(state.png, &bytes, appendTo, flushNothing);
@@ -57,6 +57,7 @@ public:
             png_write_row(state.png, &image.rgba[static_cast<size_t>(y) * image.width * 4]);
         }
         png_write_end(state.png, nullptr);
+        return 0.0;
     }
 };
 

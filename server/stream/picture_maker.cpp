@@ -14,7 +14,11 @@ namespace {
 
 constexpr uint32_t BAND_ROWS = 16;  // developed and coded at once: the floats stay in the cache
 
-void develop(const FinishedFrame& frame, std::vector<vec4>& band, DisplayImage& display) {
+/// A picture that is saved may wait: only its own thread works on it.
+StripeThreads threadsFor(const FinishedFrame& frame) { return frame.picture ? StripeThreads::own : StripeThreads::all; }
+
+/// Returns the processor time that other threads spent on it.
+double develop(const FinishedFrame& frame, DisplayImage& display) {
     const Film& film = *frame.film;
     const uvec2 size = frame.size;
     const ToneMap toneMap(frame.view.settings.exposure + frame.sceneExposure,
@@ -22,13 +26,14 @@ void develop(const FinishedFrame& frame, std::vector<vec4>& band, DisplayImage& 
     display.width = size.x;
     display.height = size.y;
     display.rgba.resize(static_cast<size_t>(size.x) * size.y * 4);
-    band.resize(static_cast<size_t>(size.x) * BAND_ROWS);
-    for (uint32_t row = 0; row < size.y; row += BAND_ROWS) {
-        uint32_t end = std::min(row + BAND_ROWS, size.y);
+    return forEachStripe((size.y + BAND_ROWS - 1) / BAND_ROWS, threadsFor(frame), [&](uint32_t i) {
+        thread_local std::vector<vec4> band;
+        band.resize(static_cast<size_t>(size.x) * BAND_ROWS);
+        const uint32_t row = i * BAND_ROWS, end = std::min(row + BAND_ROWS, size.y);
         film.develop(row, end, band.data());
         toneMap.apply(band.data(), static_cast<size_t>(end - row) * size.x,
                       &display.rgba[static_cast<size_t>(row) * size.x * 4]);
-    }
+    });
 }
 
 uint32_t micros(double seconds) { return static_cast<uint32_t>(std::clamp(seconds * 1e6, 0.0, 4.0e9)); }
@@ -51,7 +56,8 @@ void describe(const FinishedFrame& frame, FrameHeader& header) {
 }  // namespace
 
 struct PictureMaker::Encoders {
-    std::unique_ptr<Encoder> jpeg = makeJpegEncoder();
+    std::unique_ptr<Encoder> jpeg = makeJpegEncoder(StripeThreads::all);
+    std::unique_ptr<Encoder> savedJpeg = makeJpegEncoder(StripeThreads::own);
     std::unique_ptr<Encoder> png = makePngEncoder();
 };
 
@@ -61,14 +67,17 @@ PictureMaker::~PictureMaker() = default;
 /// Develops and encodes.
 void PictureMaker::paint(const FinishedFrame& frame, const PictureKey& key, bool several, MadePicture& made) {
     StopWatch watch;
+    made.helpSeconds = 0.0;
     if (key.codec == FrameCodec::exr) frame.film->develop(pixels_);
-    else develop(frame, pixels_, display_);
+    else made.helpSeconds = develop(frame, display_);
     made.relativeError = static_cast<float>(frame.film->relativeError());
     made.developSeconds = watch.seconds();
     watch.restart();
     if (key.codec == FrameCodec::exr) encodeExr(pixels_, frame.size, made.payload);
     else if (key.codec == FrameCodec::png) encoders_->png->encode(display_, key.quality, made.payload);
-    else encoders_->jpeg->encode(display_, key.quality, made.payload);
+    else
+        made.helpSeconds +=
+            (frame.picture ? encoders_->savedJpeg : encoders_->jpeg)->encode(display_, key.quality, made.payload);
     made.encodeSeconds = watch.seconds();
     made.still.reset();
     if (!key.keep) return;
@@ -101,7 +110,7 @@ EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, 
     describe(frame, header);
     result.header = header;
     finish(result, made.payload, 0);
-    result.coreSeconds = threadCpuSeconds() - before;
+    result.coreSeconds = threadCpuSeconds() - before + (result.shared ? 0.0 : made.helpSeconds);
     writeFrameHeader(result.header, std::span(result.picture.bytes).subspan<SOCKET_HEADROOM, FRAME_HEADER_BYTES>());
     result.figures = frame.figures;
     result.order = frame.picture;

@@ -34,6 +34,7 @@ struct MadePicture {
     std::vector<uint8_t> payload;
     double developSeconds = 0.0;
     double encodeSeconds = 0.0;
+    double helpSeconds = 0.0;  // processor time of other threads
     float relativeError = 1.0f;
     std::shared_ptr<const StillPicture::Shared> still;  // where it is kept
 };

@@ -157,8 +157,8 @@ TEST(JpegEncoder, StripesMakeTheSamePicture) {
         const DisplayImage image = testImage(size.x, size.y);
         for (int quality : {40, 80, 95}) {
             std::vector<uint8_t> own, all;
-            makeJpegEncoder(JpegThreads::own)->encode(image, static_cast<uint32_t>(quality), own);
-            makeJpegEncoder(JpegThreads::all)->encode(image, static_cast<uint32_t>(quality), all);
+            makeJpegEncoder(StripeThreads::own)->encode(image, static_cast<uint32_t>(quality), own);
+            makeJpegEncoder(StripeThreads::all)->encode(image, static_cast<uint32_t>(quality), all);
             EXPECT_EQ(own, all);
             const Decoded stripes = decoded(own, "a.jpg"), whole = decoded(inOnePiece(image, quality), "a.jpg");
             ASSERT_EQ(stripes.width, whole.width);
