@@ -7,7 +7,7 @@
 #include "server/loop/frame_loop.h"
 #include "server/loop/effect_meter.h"
 #include "server/request/setting_caps.h"
-#include "server/stream/admission.h"
+#include "server/pace/admission.h"
 #include "server/stream/audience.h"
 #include "server/stream/session_host.h"
 #include "server/stream/viewer.h"

@@ -9,9 +9,9 @@ namespace heliograph {
 
 /// What a viewer inside has used of the device lately.
 struct ViewerLoad {
-    double secondsPerFrame =
-        0.0;              // that a frame of it takes from all: device time of a first pass, and its part of the processors
-                          // for making the picture; 0: it had none yet
+    /// That a frame of it takes from all: device time of a first pass, and its part of the processors for making the picture;
+    /// 0: it had none yet.
+    double secondsPerFrame = 0.0;
     bool active = false;  // it had a frame within the last seconds, or waits for its first
 };
 

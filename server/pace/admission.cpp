@@ -1,4 +1,4 @@
-#include "server/stream/admission.h"
+#include "server/pace/admission.h"
 
 #include <algorithm>
 #include <cmath>
