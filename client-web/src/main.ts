@@ -18,9 +18,11 @@ import { SettingsPanel, storedResolutionMode } from './panels/settings/settings_
 import { StatsPanel } from './panels/statistics/stats_panel.js';
 import { recall, remember } from './page/storage.js';
 import { Toasts } from './page/toast.js';
-import { Dock, SceneBar, type DockHooks } from './page/toolbar.js';
+import { Dock, SceneBar, type DockHooks, type SceneBarHooks } from './page/toolbar.js';
 import { traceFile } from './picture/frame_trace.js';
 import { Viewer } from './viewer.js';
+import { Compare } from './views/compare.js';
+import { ViewShelf } from './views/view_shelf.js';
 import { copyText, ViewLink } from './page/view_link.js';
 import './page/access.css'; // after what it says otherwise
 
@@ -105,6 +107,16 @@ async function copyLink(link: string, toasts: Toasts): Promise<void> {
   toasts.show('notice', done ? 'The link to this view is in the clipboard.' : 'Copy the address of this page: it is the view.');
 }
 
+/** What leads to views: links, those that are saved, and the one to compare with. */
+function sceneBarHooks(viewer: Viewer, link: ViewLink, canvas: HTMLCanvasElement, compare: Compare, toasts: Toasts): SceneBarHooks {
+  const shelf = new ViewShelf(viewer, canvas, () => link.link());
+  return {
+    copyLink: () => void copyLink(link.link(), toasts),
+    views: () => shelf.items(),
+    compare: () => compare.begin(),
+  };
+}
+
 /** Control or Command with Z. */
 function attachUndo(viewer: Viewer): void {
   window.addEventListener('keydown', (event) => {
@@ -119,6 +131,21 @@ function attachPicture(canvas: HTMLCanvasElement, viewer: Viewer): void {
   attachPointers(canvas, viewer.controller, (x, y) => viewer.focusAt(x, y));
   attachFocus(canvas);
   attachUndo(viewer);
+}
+
+/** The page's shortcuts, and the keys of flying. */
+function attachKeys(viewer: Viewer, page: Readonly<Record<'help' | 'togglePanels' | 'toggleMode', () => void>>): void {
+  attachKeyboard(viewer.controller, {
+    F1: page.togglePanels,
+    F2: () => viewer.togglePath(),
+    F3: () => viewer.savePicture('png'),
+    KeyH: page.help,
+    '?': page.help,
+    KeyO: page.toggleMode,
+    KeyR: () => viewer.resetView(),
+    KeyV: () => viewer.frameAll(),
+    KeyP: () => viewer.togglePartition(),
+  });
 }
 
 function start(): void {
@@ -153,10 +180,12 @@ function start(): void {
   const dock = new Dock(viewer, { statistics, settings, effects }, hooks);
   const banner = new Banner(viewer, announce);
   const partition = new PartitionView(viewer, announce);
+  const compare = new Compare(canvas);
   page.append(
     partition.overlay,
+    compare.element,
     partition.card,
-    new SceneBar(viewer, () => void copyLink(link.link(), toasts)).element,
+    new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts)).element,
     dock.element, // before the panels, whose many fields would stand between it and the picture
     statistics.element,
     el('div', { class: 'column' }, settings.element, effects.element),
@@ -168,17 +197,7 @@ function start(): void {
   );
 
   attachPicture(canvas, viewer);
-  attachKeyboard(viewer.controller, {
-    F1: togglePanels,
-    F2: () => viewer.togglePath(),
-    F3: () => viewer.savePicture('png'),
-    KeyH: () => help.toggle(),
-    '?': () => help.toggle(),
-    KeyO: () => dock.toggleMode(),
-    KeyR: () => viewer.resetView(),
-    KeyV: () => viewer.frameAll(),
-    KeyP: () => viewer.togglePartition(),
-  });
+  attachKeys(viewer, { help: hooks.help, togglePanels, toggleMode: () => dock.toggleMode() });
   viewer.connect();
 }
 

@@ -13,6 +13,7 @@ import { badControls, difference, overlaps, picture, pngSize } from './look.mjs'
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 import { streamChecks } from './stream_test.mjs';
 import { resumeChecks } from './resume_test.mjs';
+import { viewsChecks } from './views_test.mjs';
 import { watchChecks } from './watch_test.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
@@ -399,5 +400,6 @@ try {
   await doorChecks(checks);
   await panelChecks(checks);
   await linkChecks(checks);
+  await viewsChecks(checks);
   checks.finish();
 }

@@ -8,6 +8,7 @@ export interface MenuItem {
   readonly description?: string;
   readonly hint?: string; // a key
   readonly checked?: boolean; // given: the item is one of a choice
+  readonly picture?: string; // address of a small image
   readonly choose: () => void;
 }
 
@@ -64,6 +65,7 @@ export class Menu {
       'button',
       { type: 'button', class: 'menu-item', role: radio ? 'menuitemradio' : 'menuitem', tabindex: -1 },
       radio ? icon('check') : null,
+      item.picture === undefined ? null : el('img', { class: 'menu-picture', src: item.picture, alt: '' }),
       el(
         'span',
         { class: 'menu-text' },

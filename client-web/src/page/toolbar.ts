@@ -12,16 +12,24 @@ import { displayName, pageTitle, spacedWords } from './scene_name.js';
 import type { Viewer } from '../viewer.js';
 import './toolbar.css';
 
+export interface SceneBarHooks {
+  /** The address of this view to the clipboard. */
+  readonly copyLink: () => void;
+  /** To save views and to go to them. */
+  readonly views: () => readonly MenuItem[];
+  /** Freezes the picture to compare with what comes. */
+  readonly compare: () => void;
+}
+
 /** Scene, viewpoint and what there is to know of the scene. */
 export class SceneBar {
   readonly element: HTMLElement;
   private readonly sceneLabel_ = el('span', { class: 'picker-label' }, '…');
   private readonly info_: InfoPopover;
 
-  /** `copyLink`: the address of this view to the clipboard. */
   constructor(
     private readonly viewer_: Viewer,
-    copyLink: () => void,
+    private readonly hooks_: SceneBarHooks,
   ) {
     const sceneButton = el(
       'button',
@@ -37,7 +45,7 @@ export class SceneBar {
     this.info_ = new InfoPopover(viewer_);
     const brand = el('span', { class: 'brand' }, icon('sun'), el('span', { class: 'brand-name' }, 'Heliograph'));
     const link = iconButton('link', 'Copy link', '', 'tool icon-only');
-    link.addEventListener('click', copyLink);
+    link.addEventListener('click', hooks_.copyLink);
     const frame = iconButton('frame', 'Frame all', 'V', 'tool icon-only');
     frame.addEventListener('click', () => viewer_.frameAll());
     const views = [cameras.element, frame, fullScreenButton(), link];
@@ -81,7 +89,13 @@ export class SceneBar {
       label: displayName(camera.name),
       choose: () => this.viewer_.jumpTo(camera),
     }));
-    return [{ label: 'Reset view', hint: 'R', choose: () => this.viewer_.resetView() }, ...named];
+    const compare = { label: 'Compare', description: 'Freezes this picture, to wipe between it and what comes' };
+    return [
+      { label: 'Reset view', hint: 'R', choose: () => this.viewer_.resetView() },
+      ...named,
+      ...this.hooks_.views(),
+      { ...compare, choose: this.hooks_.compare },
+    ];
   }
 }
 
