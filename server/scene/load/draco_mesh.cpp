@@ -6,6 +6,8 @@
 #include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
 
+#include <tbb/parallel_for.h>
+
 #include <cstring>
 #include <stdexcept>
 #include <string>
@@ -173,7 +175,8 @@ DracoMesh decodeDraco(std::span<const uint8_t> bytes, std::span<const DracoAttri
             result.indices.push_back(corner.value());
         }
     }
-    for (const DracoAttribute& attribute : wanted) result.attributes.push_back(valuesOf(mesh, attribute));
+    result.attributes.resize(wanted.size());
+    tbb::parallel_for(size_t(0), wanted.size(), [&](size_t i) { result.attributes[i] = valuesOf(mesh, wanted[i]); });
     return result;
 }
 

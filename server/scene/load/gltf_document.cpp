@@ -259,7 +259,30 @@ void strip(json& value, int depth = 0) {
     for (json& child : value) strip(child, depth + 1);
 }
 
-void parseModel(const json& root, GltfDocument& document) {
+/// Indices of a primitive whose accessor has no buffer view: all zero, or sparse. The specification allows them, tinygltf does not.
+struct BareIndices {
+    size_t mesh, primitive;
+    int accessor;
+};
+
+std::vector<BareIndices> takeBareIndices(json& root) {
+    std::vector<BareIndices> taken;
+    if (!root.contains("meshes") || !root.contains("accessors")) return taken;
+    for (size_t m = 0; m < root["meshes"].size(); m++) {
+        json& primitives = root["meshes"][m]["primitives"];
+        for (size_t p = 0; p < primitives.size(); p++) {
+            if (!primitives[p].contains("indices")) continue;
+            const int accessor = primitives[p]["indices"].get<int>();
+            if (root["accessors"][static_cast<size_t>(accessor)].contains("bufferView")) continue;
+            taken.push_back({m, p, accessor});
+            primitives[p].erase("indices");
+        }
+    }
+    return taken;
+}
+
+void parseModel(json& root, GltfDocument& document) {
+    const std::vector<BareIndices> bare = takeBareIndices(root);
     const std::string text = root.dump();
     tinygltf::TinyGLTF parser;
     std::string error, warning;
@@ -270,6 +293,7 @@ void parseModel(const json& root, GltfDocument& document) {
         if (message->size() > 200) message->resize(200);
     }
     if (!parsed) throw InputError(document.file, error.empty() ? "the file cannot be parsed" : error);
+    for (const BareIndices& one : bare) document.model.meshes[one.mesh].primitives[one.primitive].indices = one.accessor;
 }
 
 }  // namespace

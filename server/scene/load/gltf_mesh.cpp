@@ -3,6 +3,9 @@
 #include "server/base/error.h"
 #include "server/scene/load/gltf_accessor.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,6 +17,7 @@ namespace {
 // Vertices and corners that a file may make whatever its size; more must be backed by bytes.
 constexpr uint64_t FREE_ELEMENTS = 3'000'000;
 constexpr uint64_t ELEMENTS_PER_BYTE = 4;
+constexpr size_t MOST_UNUSED = 4;                  // vertices a corner
 constexpr uint64_t DECODED_BYTES_PER_ELEMENT = 2;  // a corner of 4 bytes, once more where it is flat
 
 /// Triangles from the corners of a strip, a fan or a list (glTF 2.0, chapter 3.7.2.1).
@@ -33,7 +37,10 @@ template <typename V>
 void readAll(const GltfAccessor& accessor, const std::vector<uint32_t>& vertices, bool normalized, V fill,
              std::vector<V>& out) {
     out.assign(vertices.size(), fill);
-    for (size_t i = 0; i < vertices.size(); i++) accessor.readFloats(vertices[i], V::length(), normalized, &out[i][0]);
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, vertices.size(), 16384), [&](const tbb::blocked_range<size_t>& part) {
+        for (size_t i = part.begin(); i < part.end(); i++)
+            accessor.readFloats(vertices[i], V::length(), normalized, &out[i][0]);
+    });
 }
 
 /// Which attributes are drawn, and how they may be stored.
@@ -57,6 +64,34 @@ bool knownAttribute(const std::string& name) {
 }
 
 }  // namespace
+
+std::vector<uint32_t> takeUsed(std::vector<uint32_t>& corners, size_t vertexCount) {
+    std::vector<uint32_t> vertices;
+    if (vertexCount > MOST_UNUSED * corners.size()) {  // a table of all would be larger than the mesh
+        vertices = corners;
+        std::sort(vertices.begin(), vertices.end());
+        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        if (!vertices.empty() && vertices.back() == NO_INDEX) vertices.pop_back();
+        for (uint32_t& corner : corners) {
+            if (corner != NO_INDEX)
+                corner = static_cast<uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) - vertices.begin());
+        }
+        return vertices;
+    }
+    std::vector<uint32_t> numbers(vertexCount, NO_INDEX);
+    for (const uint32_t corner : corners) {
+        if (corner != NO_INDEX) numbers[corner] = 0;
+    }
+    for (size_t i = 0; i < vertexCount; i++) {
+        if (numbers[i] == NO_INDEX) continue;
+        numbers[i] = static_cast<uint32_t>(vertices.size());
+        vertices.push_back(static_cast<uint32_t>(i));
+    }
+    for (uint32_t& corner : corners) {
+        if (corner != NO_INDEX) corner = numbers[corner];
+    }
+    return vertices;
+}
 
 GltfMeshReader::GltfMeshReader(const GltfDocument& document, SceneBuilder& builder)
     : document_(document),
@@ -119,15 +154,8 @@ MeshData GltfMeshReader::read(const tinygltf::Primitive& primitive, const std::v
         builder_.warn(pointer + " has " + std::to_string(corners.size()) + " corners: the last ones make no triangle");
 
     // Only what is used is read: files may share one large array among many primitives.
-    std::vector<uint32_t> vertices = corners;
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    if (!vertices.empty() && vertices.back() == NO_INDEX) vertices.pop_back();
+    std::vector<uint32_t> vertices = takeUsed(corners, vertexCount);
     account(vertices.size(), pointer);
-    for (uint32_t& corner : corners) {
-        if (corner != NO_INDEX)
-            corner = static_cast<uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) - vertices.begin());
-    }
     mesh.indices = assemble(corners, mode);
     if (!primitive.attributes.count("NORMAL")) {
         // Without normals the specification asks for flat shading: no two triangles share a vertex.

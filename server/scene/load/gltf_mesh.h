@@ -6,6 +6,10 @@
 
 namespace heliograph {
 
+/// The vertices that `corners` name, ascending; corners are numbered by them afterwards. NO_INDEX names none and stays; all others
+/// are below `vertexCount`.
+std::vector<uint32_t> takeUsed(std::vector<uint32_t>& corners, size_t vertexCount);
+
 /// Reads primitives of one document and keeps count of what they take.
 class GltfMeshReader {
 public:

@@ -1,4 +1,5 @@
 #include "server/base/error.h"
+#include "server/scene/load/gltf_mesh.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/unit/scene/scene_files.h"
 
@@ -31,6 +32,40 @@ std::string refusal(const std::string& content, const std::string& name = "scene
 }
 
 vec3 positionOf(const Scene& scene, uint32_t vertex) { return vec3(scene.positions[vertex]); }
+
+// An accessor without a buffer view is all zero but for what is sparse in it: for indices, too.
+TEST(GltfLoader, IndicesMayBeSparseAlone) {
+    const ScratchFolder folder;
+    const std::string bytes = triangleBytes() + bytesOf<uint16_t>({1, 2, 1, 2});
+    std::string json = triangleJson(dataUri(bytes));
+    const auto put = [&](const std::string& old, const std::string& text) { json.replace(json.find(old), old.size(), text); };
+    put(R"("attributes":{"POSITION":0})", R"("attributes":{"POSITION":0},"indices":1)");
+    put(R"("max":[1,1,0]})", R"("max":[1,1,0]},{"componentType":5123,"count":3,"type":"SCALAR","sparse":{"count":2,)"
+                             R"("indices":{"bufferView":1,"componentType":5123},"values":{"bufferView":2}}})");
+    put(R"("byteLength":36}],"buffers")", R"("byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":4},)"
+                                          R"({"buffer":0,"byteOffset":40,"byteLength":4}],"buffers")");
+    put(R"("byteLength":36}])", R"("byteLength":44}])");
+    const auto scene = openScene(folder.write("a.gltf", json));
+    ASSERT_EQ(scene->triangleCount(), 1u);
+    EXPECT_EQ(scene->bounds.high, vec3(1.0f, 1.0f, 0.0f));
+}
+
+// Whether few or most of the vertices are used: they come in their order, once, and corners name the same ones as before.
+TEST(GltfMesh, TakesTheVerticesThatAreUsed) {
+    for (const size_t count : {size_t(9), size_t(40), size_t(41), size_t(100'000)}) {
+        const std::vector<uint32_t> before{7, 2, NO_INDEX, 2, 8, 7, 0, NO_INDEX, 7, 3};
+        std::vector<uint32_t> corners = before;
+        const std::vector<uint32_t> vertices = takeUsed(corners, count);
+        EXPECT_EQ(vertices, (std::vector<uint32_t>{0, 2, 3, 7, 8})) << count;
+        for (size_t i = 0; i < before.size(); i++)
+            EXPECT_EQ(corners[i] == NO_INDEX ? NO_INDEX : vertices.at(corners[i]), before[i]) << count << ", " << i;
+    }
+    std::vector<uint32_t> none;
+    EXPECT_TRUE(takeUsed(none, 0).empty());
+    std::vector<uint32_t> bad{NO_INDEX, NO_INDEX, NO_INDEX};
+    EXPECT_TRUE(takeUsed(bad, 2).empty());
+    EXPECT_EQ(bad[0], NO_INDEX);
+}
 
 TEST(GltfLoader, ReadsTextAndBinary) {
     const ScratchFolder folder;
