@@ -264,6 +264,7 @@ def little_memory(arguments, options, reference):
         while time.monotonic() < end and large.closed is None:
             large.look()
             large.read(0.3)
+            watcher.read(0.1)  # one who reads nothing for 10 s is closed
         watcher.look()
         answered, picture = watcher.answered(), watcher.picture()
         large.cut()
