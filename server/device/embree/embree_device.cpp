@@ -1,10 +1,9 @@
 #include "server/device/embree/embree_device.h"
 
+#include "server/base/crew.h"
 #include "server/device/embree/embree_scene.h"
 #include "server/device/embree/tile_programs.h"
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <pmmintrin.h>
@@ -44,7 +43,7 @@ private:
     const unsigned before_ = _mm_getcsr();
 };
 
-/// One thread's programs, made when first needed.
+/// Programs of whoever renders tiles, made when first needed.
 struct Worker {
     std::vector<std::unique_ptr<TileProgram>> programs{tileProgramTable().count};
     TileProgram& program(uint32_t index) {
@@ -92,7 +91,7 @@ public:
         Frame frame(*this, request);
         auto work = [&] { renderTiles(frame, tiles, sink, stop); };
         if (tiles.size() == 1) work();  // waking others takes longer than a small tile
-        else inArena(request.settings.embreeThreads, work);
+        else crew_.run(helpersFor(request.settings.embreeThreads, tiles.size()), work);
     }
 
     void renderStream(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
@@ -136,7 +135,8 @@ private:
     /// Renders tiles of the frame on the calling thread until none is left.
     void renderTiles(Frame& frame, std::span<const Tile> tiles, const TileSink& sink, const std::stop_token& stop) {
         const FlushDenormals flush;
-        TileProgram& program = workers_.local().program(frame.program);
+        std::unique_ptr<Worker> worker = takeWorker();
+        TileProgram& program = worker->program(frame.program);
         for (size_t i; !stop.stop_requested() && (i = frame.next.fetch_add(1)) < tiles.size();) {
             TileResult result;
             result.tile = tiles[i];
@@ -146,6 +146,17 @@ private:
             result.seconds = threadSeconds() - begin;
             sink(std::move(result));
         }
+        std::lock_guard lock(workersMutex_);
+        workers_.push_back(std::move(worker));
+    }
+
+    /// As many are kept as were ever busy at once, however many threads ask: their buffers are large.
+    std::unique_ptr<Worker> takeWorker() {
+        std::lock_guard lock(workersMutex_);
+        if (workers_.empty()) return std::make_unique<Worker>();
+        std::unique_ptr<Worker> worker = std::move(workers_.back());
+        workers_.pop_back();
+        return worker;
     }
 
     static void renderTile(TileProgram& program, const TileJob& common, TileResult& result) {
@@ -160,15 +171,10 @@ private:
         result.nonfiniteSamples = job.nonfiniteSamples;
     }
 
-    // Runs `work` once on each of `threads` threads (0 = all cores); tiles are taken from a common counter in order.
-    template <typename Work>
-    void inArena(uint32_t threads, const Work& work) {
-        int count = threads == 0 ? tbb::this_task_arena::max_concurrency() : static_cast<int>(threads);
-        tbb::task_arena arena(count);
-        arena.execute([&] {
-            tbb::parallel_for(
-                0, count, [&](int) { work(); }, tbb::simple_partitioner());
-        });
+    /// Beside the caller. `threads`: as the setting, 0 = all cores.
+    static size_t helpersFor(uint32_t threads, size_t tiles) {
+        const auto cores = static_cast<size_t>(tbb::this_task_arena::max_concurrency());
+        return std::min({threads > 0 ? threads : cores, cores, tiles}) - 1;
     }
 
     std::shared_ptr<EmbreeScene> sceneFor(const Settings& settings) {
@@ -197,7 +203,9 @@ private:
     std::shared_ptr<const Scene> scene_;
     using Built = std::pair<std::pair<uint32_t, bool>, std::shared_ptr<EmbreeScene>>;  // quality and robustness
     std::vector<Built> built_;                                                         // used last first
-    tbb::enumerable_thread_specific<Worker> workers_;
+    std::mutex workersMutex_;
+    std::vector<std::unique_ptr<Worker>> workers_;  // that nobody uses, used last last
+    Crew crew_;                                     // ends first
 };
 
 }  // namespace

@@ -6,9 +6,13 @@
 #include "tests/support/bodies.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <pmmintrin.h>
 
 #include <atomic>
+#include <latch>
+#include <thread>
+#include <vector>
 
 namespace heliograph {
 namespace {
@@ -81,6 +85,40 @@ TEST(EmbreeDevice, LeavesTheCallersModeOfDenormalNumbersAlone) {
     device->renderStream(request, {&tile, 1}, [&](TileResult&&) { inside = _mm_getcsr() & modes; }, {});
     EXPECT_EQ(inside, modes);
     EXPECT_EQ(_mm_getcsr() & modes, before);
+}
+
+/// Bytes in use of the whole process; 0 under sanitizers, whose heap says nothing.
+uint64_t heapBytes() {
+    const struct mallinfo2 info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+}
+
+// Each viewer's frames come from a thread of its own.
+TEST(EmbreeDevice, KeepsNothingForEachThreadThatHasRendered) {
+    const std::unique_ptr<Device> device = makeEmbreeDevice();
+    const auto scene = twoBodies();
+    device->load(scene, {}, {});
+    FrameRequest request;
+    request.camera = cameraFrom(scene->cameras.front());
+    request.resolution = uvec2(32, 32);
+    Tile tile;
+    tile.size = request.resolution;
+    constexpr int THREADS = 24;
+    std::latch over(1);
+    std::vector<std::jthread> threads;
+    uint64_t first = 0;
+    for (int i = 0; i < THREADS; i++) {
+        std::latch rendered(1);
+        threads.emplace_back([&] {
+            device->render(request, {&tile, 1}, [](TileResult&&) {}, {});
+            rendered.count_down();
+            over.wait();
+        });
+        rendered.wait();
+        if (i == 0) first = heapBytes();
+    }
+    EXPECT_LE(heapBytes(), first + THREADS * 40'000) << "a thread's own buffers are larger";
+    over.count_down();
 }
 
 TEST(EmbreeDevice, RendersInEveryQualityThoughItKeepsAFewTrees) {
