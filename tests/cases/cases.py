@@ -204,6 +204,8 @@ def rough_panes(case):
 CASES = [specular_colours, rough_panes, obj_polygons, obj_materials, gltf_pictures, vertex_colours, second_coordinates, sky, narrow_spots,
          *obj_cases.CASES, *gltf_cases.CASES, *picture_cases.CASES,
          *far_cases.CASES]
+# What they ask is settled before a device sees the scene: the first one draws them.
+READING = {*obj_cases.CASES, *picture_cases.CASES, gltf_cases.names_and_data, gltf_cases.containers}
 
 
 class Runner:
@@ -265,7 +267,7 @@ def main():
                 continue
             case = Case(make.__name__, os.path.join(folder, make.__name__))
             make(case)
-            runner.run(case, devices)
+            runner.run(case, devices[:1] if make in READING else devices)
     print(f'{runner.passed} passed, {runner.failed} failed')
     sys.exit(runner.failed > 0 or runner.passed == 0)
 
