@@ -10,7 +10,8 @@ import { attachFocus } from './page/focus.js';
 import { HelpDialog } from './page/help.js';
 import { attachKeyboard, attachPointers } from './camera/input.js';
 import { Panel } from './panels/panel.js';
-import { PartitionView } from './panels/partition/partition_view.js';
+import { PickView } from './panels/pick/pick_view.js';
+import { PartitionView, togglePartition } from './panels/partition/partition_view.js';
 import { MIME_TYPES, type Frame } from './wire/frame.js';
 import { knowDevices } from './panels/device_colors.js';
 import { displayName, fileName } from './page/scene_name.js';
@@ -128,13 +129,16 @@ function attachUndo(viewer: Viewer): void {
 }
 
 function attachPicture(canvas: HTMLCanvasElement, viewer: Viewer): void {
-  attachPointers(canvas, viewer.controller, (x, y) => viewer.focusAt(x, y));
+  attachPointers(canvas, viewer.controller, (x, y) => viewer.pickAt(x, y));
   attachFocus(canvas);
   attachUndo(viewer);
 }
 
 /** The page's shortcuts, and the keys of flying. */
-function attachKeys(viewer: Viewer, page: Readonly<Record<'help' | 'togglePanels' | 'toggleMode', () => void>>): void {
+function attachKeys(
+  viewer: Viewer,
+  page: Readonly<Record<'help' | 'togglePanels' | 'toggleMode' | 'pick', () => void>>,
+): void {
   attachKeyboard(viewer.controller, {
     F1: page.togglePanels,
     F2: () => viewer.togglePath(),
@@ -144,7 +148,8 @@ function attachKeys(viewer: Viewer, page: Readonly<Record<'help' | 'togglePanels
     KeyO: page.toggleMode,
     KeyR: () => viewer.resetView(),
     KeyV: () => viewer.frameAll(),
-    KeyP: () => viewer.togglePartition(),
+    KeyI: page.pick,
+    KeyP: () => togglePartition(viewer),
   });
 }
 
@@ -181,10 +186,13 @@ function start(): void {
   const banner = new Banner(viewer, announce);
   const partition = new PartitionView(viewer, announce);
   const compare = new Compare(canvas);
+  const pick = new PickView(viewer, announce, () => canvas.focus({ preventScroll: true }));
   page.append(
     partition.overlay,
     compare.element,
     partition.card,
+    pick.marks,
+    pick.card,
     new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts)).element,
     dock.element, // before the panels, whose many fields would stand between it and the picture
     statistics.element,
@@ -197,7 +205,7 @@ function start(): void {
   );
 
   attachPicture(canvas, viewer);
-  attachKeys(viewer, { help: hooks.help, togglePanels, toggleMode: () => dock.toggleMode() });
+  attachKeys(viewer, { help: hooks.help, togglePanels, toggleMode: () => dock.toggleMode(), pick: () => pick.pickMiddle() });
   viewer.connect();
 }
 

@@ -3,6 +3,7 @@
 
 import { CameraController } from './camera/camera_controller.js';
 import { framing, type Camera } from './camera/camera.js';
+import type { Vec3 } from './camera/vector.js';
 import { Display } from './picture/display.js';
 import { Frames } from './frames.js';
 import { EffectCostModel } from './panels/effects/effect_costs.js';
@@ -23,9 +24,10 @@ import { Restoring } from './reconnect.js';
 import { onPixelRatio } from './picture/pixel_ratio.js';
 import { pictureSize, type ResolutionMode } from './picture/resolution.js';
 import { SettingsModel } from './panels/settings/settings_model.js';
+import { PickModel } from './panels/pick/pick_model.js';
 import { UndoStack } from './panels/settings/undo.js';
 import { ShownPartition } from './panels/partition/shown_partition.js';
-import { focusRefused, initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
+import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat, ViewerMessage } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
 import { Seat } from './seat.js';
@@ -44,6 +46,10 @@ export class Viewer {
     () => this.emit('partition'),
   );
   readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
+  readonly pick = new PickModel(
+    (id, x, y) => this.connection_.send({ type: 'pick', id, x, y }),
+    () => this.emit('pick'),
+  );
   readonly stream = new StreamMeter();
   readonly undo = new UndoStack();
   readonly seat: Seat;
@@ -139,10 +145,10 @@ export class Viewer {
     this.connection_.send({ type: 'scene', name: scene });
   }
 
-  /** The viewer asks for a viewpoint. */
-  jumpTo(camera: Camera): void {
+  /** The viewer asks for a viewpoint; from there dragging turns about `pivot`, where it is given. */
+  jumpTo(camera: Camera, pivot: Vec3 | null = null): void {
     this.emit('jump');
-    this.controller.jump(camera);
+    this.controller.jump(camera, pivot);
   }
 
   openScene(name: string, camera: Camera | null = null): void {
@@ -177,16 +183,6 @@ export class Viewer {
     this.emit('settings');
   }
 
-  /** Shows or hides who made which part of the picture. */
-  togglePartition(): void {
-    const shown = this.settings.value('showPartition');
-    if (shown === undefined) {
-      this.onMessage({ kind: 'notice', text: 'This server cannot say which device made which part of the picture.' });
-      return;
-    }
-    this.setSettings({ showPartition: shown !== true });
-  }
-
   setResolutionMode(mode: ResolutionMode): void {
     this.state.resolutionMode = mode;
     this.sendResolution();
@@ -219,13 +215,13 @@ export class Viewer {
     this.effectCosts.asked();
   }
 
-  /** Asks for a sharp picture at this place of the window, CSS pixels; for servers with a lens only. */
-  focusAt(x: number, y: number): void {
+  /** Asks what is at this place of the window, CSS pixels. */
+  pickAt(x: number, y: number): void {
     const frame = this.state.lastFrame;
-    if (frame === null || this.settings.value('focusDistance') === undefined || this.watching.active) return;
+    if (frame === null || this.seat.drivenByOthers()) return;
     const window = this.canvas_.getBoundingClientRect();
     const place = placeInPicture(pictureBox(frame.width, frame.height, window.width, window.height), x, y);
-    if (place !== null) this.connection_.send({ type: 'focus', inputId: this.nextInputId(), ...place });
+    if (place !== null) this.pick.ask(place.x, place.y);
   }
 
   /** All of the scene, in the direction that is looked in. */
@@ -292,6 +288,8 @@ export class Viewer {
         return this.emit('settings');
       case 'effectCosts':
         return this.effectCosts.answered(message, this.state.readyName);
+      case 'picked':
+        return this.pick.answered(message);
       case 'partition':
         return this.partition.received(message);
       case 'watching':
@@ -405,7 +403,10 @@ export class Viewer {
     const restored = this.restoring_.finish(name);
     this.partition.forget();
     this.state.ready = ready;
-    if (this.state.readyName !== name) this.effectCosts.sceneChanged();
+    if (this.state.readyName !== name) {
+      this.effectCosts.sceneChanged();
+      this.pick.forget();
+    }
     this.state.readyName = name;
     this.state.pathResult = null;
     this.controller.setScene(ready.bounds, ready.radius);
@@ -430,7 +431,7 @@ export class Viewer {
     if (about === 'scene') this.giveUpRestoring();
     if (about === 'watch' && this.seat.refused()) return;
     if (about === 'effectCosts') return this.effectCosts.refused(message);
-    if (about === 'focus') return this.onMessage({ kind: 'notice', text: focusRefused(message) });
+    if (about === 'pick') this.pick.forget();
     if (names.length === 0) this.onMessage({ kind: 'error', text: message });
     this.emit('settings');
     this.emit('frame');

@@ -16,15 +16,12 @@ export type Topic =
   | 'partition'
   | 'effectCosts'
   | 'camera'
+  | 'pick'
   | 'jump' // the viewer is about to leave for another viewpoint or scene
   | 'resolution'
   | 'watching';
 
 export type Message = { readonly kind: 'notice' | 'error'; readonly text: string };
-
-/** In the viewer's words: a place in the sky cannot be focused on. */
-export const focusRefused = (message: string): string =>
-  message.includes('nothing is there') ? 'Nothing to focus on there: choose a place where something is seen.' : message;
 
 export interface ViewerState {
   connection: ConnectionState;

@@ -46,8 +46,10 @@ using TileSink = std::function<void(TileResult&&)>;
 
 /// What a device says of one ray.
 struct DepthAnswer {
-    bool known = false;           // false: this device cannot tell
-    std::optional<double> depth;  // to the nearest surface, in lengths of the ray's direction; nothing where there is none
+    bool known = false;            // false: this device cannot tell
+    std::optional<double> depth;   // to the nearest surface, in lengths of the ray's direction; nothing where there is none
+    uint32_t instance = NO_INDEX;  // of the scene, that was met
+    uint32_t triangle = NO_INDEX;  // counted from its instance's first one
 };
 
 /// There is no memory for what was asked, on the device or beside it. The device is well, and other requests may fit.

@@ -46,6 +46,13 @@ struct FocusRequest {
     uint32_t viewer = 0;
 };
 
+/// Where a viewer wants to know what is there.
+struct PickRequest {
+    ViewRay ray;
+    uint32_t id = 0;  // the viewer's own, comes back
+    uint32_t viewer = 0;
+};
+
 /// Where frames go. Called from the loop's thread without any lock held; must not call the loop's destructor.
 class FrameReceiver {
 public:
@@ -59,6 +66,8 @@ public:
     virtual void pathEnded(const FrameSummary& result) = 0;
     /// The depth that was asked for.
     virtual void focused(const FocusRequest& request, const DepthAnswer& answer) = 0;
+    /// What is there, in the scene that was asked.
+    virtual void picked(const PickRequest& request, const DepthAnswer& answer, const Scene& scene) = 0;
     /// The device failed; the loop rests until the next request or scene.
     virtual void failed(const std::string& what) = 0;
 };

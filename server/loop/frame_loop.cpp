@@ -77,6 +77,13 @@ void FrameLoop::focus(const FocusRequest& request) {
     });
 }
 
+void FrameLoop::pick(const PickRequest& request) {
+    tell([&] {
+        pickAsked_ = request;
+        if (pass_.running && pass_.cancellable && pass_.firstSample > 0) pass_.stop.request_stop();  // goes on afterwards
+    });
+}
+
 void FrameLoop::wake() {
     tell([] {});
 }
@@ -146,6 +153,7 @@ uint64_t FrameLoop::takeNews() {
     std::optional<bool> playing = std::exchange(playing_, std::nullopt);
     if (pictureAsked_ && resident_ && request_) pictureWanted_ = std::exchange(pictureAsked_, std::nullopt);
     focus_ = std::exchange(focusAsked_, std::nullopt);
+    pick_ = std::exchange(pickAsked_, std::nullopt);
     uint64_t seen = news_;
     lock.unlock();
 
@@ -163,14 +171,21 @@ void FrameLoop::takeRequest() {
     if (newest_) request_ = run_ ? *newest_ : pace_.paced(*newest_);
 }
 
+/// Answers what is asked of single rays.
+void FrameLoop::askDevice() {
+    const std::optional<FocusRequest> focus = std::exchange(focus_, std::nullopt);
+    const std::optional<PickRequest> pick = std::exchange(pick_, std::nullopt);
+    if (!resident_) return;
+    const auto along = [&](const ViewRay& ray, const char* what) {
+        auto span = stages_.enter(what);
+        return resident_->renderer->depthAlong(ray);
+    };
+    if (focus) receiver_.focused(*focus, along(focus->ray, "focus"));
+    if (pick) receiver_.picked(*pick, along(pick->ray, "pick"), *resident_->scene);
+}
+
 bool FrameLoop::step() {
-    if (std::optional<FocusRequest> asked = std::exchange(focus_, std::nullopt); asked && resident_) {
-        const DepthAnswer answer = [&] {
-            auto span = stages_.enter("focus");
-            return resident_->renderer->depthAlong(asked->ray);
-        }();
-        receiver_.focused(*asked, answer);
-    }
+    askDevice();
     const LoopAction action = next(state());
     switch (action) {
         case LoopAction::rest: break;
@@ -285,7 +300,7 @@ void FrameLoop::deliverPicture() {
 std::stop_token FrameLoop::beginPass(const ViewRequest& view, uint32_t firstSample, bool cancellable) {
     std::lock_guard lock(mutex_);
     pass_ = {true, cancellable, view, firstSample, std::stop_source()};
-    bool giveUp = stopped_ || sceneChanged_ || (cancellable && focusAsked_ && firstSample > 0) ||
+    bool giveUp = stopped_ || sceneChanged_ || (cancellable && (focusAsked_ || pickAsked_) && firstSample > 0) ||
                   (cancellable && newest_ && !run_ && cancelsPass(view, firstSample, cancelledBefore_, pace_.paced(*newest_)));
     if (giveUp) pass_.stop.request_stop();
     return pass_.stop.get_token();

@@ -33,6 +33,8 @@ public:
     void offerAgain();
     /// Asks the device for the depth along a ray, on the loop's thread; a request that was not answered yet is dropped.
     void focus(const FocusRequest& request);
+    /// The same for what is there, beside `focus`; neither replaces the other.
+    void pick(const PickRequest& request);
     /// The receiver's readiness has changed for the better.
     void wake();
     /// Asks the loop to end, without waiting.
@@ -65,6 +67,7 @@ private:
     uint64_t takeNews();
     bool step();
     LoopState state();
+    void askDevice();
     void followPath();
     void endRun();
     void startPicture(const PictureOrder& order);
@@ -94,6 +97,7 @@ private:
     std::optional<bool> playing_;
     std::optional<PictureOrder> pictureAsked_;
     std::optional<FocusRequest> focusAsked_;
+    std::optional<PickRequest> pickAsked_;
     bool again_ = false;  // the frame that was delivered last is asked for
     bool retry_ = false;  // something came that may mend what failed
     bool stopped_ = false;
@@ -110,6 +114,7 @@ private:
     std::optional<PictureJob> picture_;
     bool pictureTurn_ = false;  // passes of picture and film alternate
     std::optional<FocusRequest> focus_;
+    std::optional<PickRequest> pick_;
     bool broken_ = false;
 
     std::jthread thread_;  // last: it uses all of the above

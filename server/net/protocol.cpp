@@ -147,13 +147,18 @@ void read(const Fields& fields, PingMessage& message) {
 void read(const Fields& fields, TokenMessage& message) { message.token = fields.text("token", TOKEN_LIMIT); }
 void read(const Fields&, EffectCostsMessage&) {}
 
-void read(const Fields& fields, FocusMessage& message) {
-    message = {fields.uint("inputId"), fields.number("x"), fields.number("y")};
-    for (const char* name : {"x", "y"}) {
-        const double value = *name == 'x' ? message.x : message.y;
-        if (value < 0.0 || value > 1.0) fields.refuse(name, nlohmann::json(value).dump(), "0 to 1");
-    }
+/// A place in the picture.
+double share(const Fields& fields, const char* name) {
+    const double value = fields.number(name);
+    if (value < 0.0 || value > 1.0) fields.refuse(name, nlohmann::json(value).dump(), "0 to 1");
+    return value;
 }
+
+void read(const Fields& fields, FocusMessage& message) {
+    message = {fields.uint("inputId"), share(fields, "x"), share(fields, "y")};
+}
+
+void read(const Fields& fields, PickMessage& message) { message = {fields.uint("id"), share(fields, "x"), share(fields, "y")}; }
 
 void read(const Fields& fields, WatchMessage& message) {
     message.inputId = fields.uint("inputId");

@@ -88,6 +88,11 @@ struct FocusMessage {
     uint32_t inputId = 0;
     double x = 0.0, y = 0.0;  // place in the picture, 0..1 from the top left corner
 };
+struct PickMessage {
+    static constexpr const char* TYPE = "pick";
+    uint32_t id = 0;          // comes back with the answer
+    double x = 0.0, y = 0.0;  // place in the picture, as FocusMessage's
+};
 struct WatchMessage {
     static constexpr const char* TYPE = "watch";
     uint32_t inputId = 0;
@@ -111,7 +116,8 @@ struct ClientMessage {
 
 using ViewerMessage =
     std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage, PathMessage,
-                 PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, WatchMessage, DriveMessage, ClientMessage>;
+                 PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, PickMessage, WatchMessage, DriveMessage,
+                 ClientMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {

@@ -3,6 +3,7 @@
 // SceneBuilder only. Y is up; lengths are the file's own units, taken as metres.
 
 #include "server/kernel/kernel_types.h"
+#include "server/scene/object_names.h"
 
 #include <cstdint>
 #include <memory>
@@ -83,6 +84,7 @@ public:
     Environment environment{};
 
     std::vector<std::string> materialNames;  // one per material, for messages and reasons
+    ObjectNames objects;                     // the same
     std::vector<NamedCamera> cameras;        // at least one; the first is where a viewer starts
     std::vector<CameraPath> paths;           // may be empty
     std::vector<std::string> warnings;       // what the loader changed, ignored or added

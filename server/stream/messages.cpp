@@ -249,6 +249,18 @@ std::string effectCostsFailedMessage(const std::string& why) {
     return text({{"type", "effectCosts"}, {"state", "failed"}, {"what", why}});
 }
 
+std::string pickedMessage(uint32_t id, const std::optional<Picked>& picked) {
+    json message = {{"type", "picked"}, {"id", id}, {"found", picked.has_value()}};
+    if (!picked) return text(message);
+    message["object"] = picked->object;
+    message["material"] = picked->material;
+    message["distance"] = finite(picked->distance);
+    message["depth"] = finite(picked->depth);
+    message["position"] = array(vec3(picked->position));
+    message["normal"] = array(vec3(picked->normal));
+    return text(message);
+}
+
 std::string resolutionMessage(uvec2 wanted, uvec2 given, uint32_t inputId) {
     const std::string words = "The picture has " + std::to_string(given.x) + " x " + std::to_string(given.y) + " pixels, not " +
                               std::to_string(wanted.x) + " x " + std::to_string(wanted.y) +

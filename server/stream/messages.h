@@ -2,6 +2,7 @@
 // What the server says in `heliograph.v1`: each function makes the text of one control message (docs/reference/protocol.md).
 
 #include "server/request/effect_rules.h"
+#include "server/request/picked.h"
 #include "server/request/setting_caps.h"
 #include "server/net/protocol.h"
 #include "server/loop/effect_meter.h"
@@ -68,6 +69,8 @@ std::string pathMessage(bool playing, const std::optional<FrameSummary>& result)
 std::string effectCostsMeasuringMessage(double share);
 std::string effectCostsReadyMessage(const EffectCosts& costs);
 std::string effectCostsFailedMessage(const std::string& why);
+/// What is under a place of the picture; nothing where there is none.
+std::string pickedMessage(uint32_t id, const std::optional<Picked>& picked);
 /// The picture is smaller than the viewer wanted, as the memory for pictures does not suffice.
 std::string resolutionMessage(uvec2 wanted, uvec2 given, uint32_t inputId);
 /// What the viewer looks at, and whether it drives or watches it. `camera`: of the view, for who drives from now on; may be null.

@@ -57,6 +57,7 @@ public:
     void handle(Viewer& viewer, const EffectCostsMessage& message);
     void handle(const Viewer& viewer, const FocusMessage& message);
     void handle(Viewer& viewer, const DriveMessage& message);
+    void handle(const Viewer& viewer, const PickMessage& message);
     /// Begins to open the first scene on offer.
     void openFirstScene();
 
@@ -86,6 +87,7 @@ private:
     void take(FinishedFrame&& frame) override;
     void pathEnded(const FrameSummary& result) override;
     void focused(const FocusRequest& request, const DepthAnswer& answer) override;
+    void picked(const PickRequest& request, const DepthAnswer& answer, const Scene& scene) override;
     void failed(const std::string& what) override;
 
     // All below but the opening of scenes: with the lock held.
@@ -106,6 +108,7 @@ private:
     void tellRole(const Seat& seat, std::optional<uint32_t> inputId) const;
     void changeQuality(Seat& seat, const SettingsMessage& message);
     void checkVisible(const char* message) const;
+    ViewRay rayThrough(double x, double y) const;
     void show();
     void stop();
     void rest();

@@ -165,8 +165,31 @@ void View::handle(const Viewer& viewer, const FocusMessage& message) {
     std::lock_guard lock(mutex_);
     driver(viewer, FocusMessage::TYPE);
     checkVisible(FocusMessage::TYPE);
-    const double aspect = static_cast<double>(request_.resolution.x) / request_.resolution.y;
-    loop_.focus({viewRay(request_.camera, aspect, message.x, message.y), message.inputId, viewer.number()});
+    loop_.focus({rayThrough(message.x, message.y), message.inputId, viewer.number()});
+}
+
+void View::handle(const Viewer& viewer, const PickMessage& message) {
+    std::lock_guard lock(mutex_);
+    driver(viewer, PickMessage::TYPE);
+    checkVisible(PickMessage::TYPE);
+    loop_.pick({rayThrough(message.x, message.y), message.id, viewer.number()});
+}
+
+ViewRay View::rayThrough(double x, double y) const {
+    return viewRay(request_.camera, static_cast<double>(request_.resolution.x) / request_.resolution.y, x, y);
+}
+
+/// Tells who asked.
+void View::picked(const PickRequest& request, const DepthAnswer& answer, const Scene& scene) {
+    std::optional<Picked> there;
+    if (answer.depth) there = pickedAt(scene, request.ray, *answer.depth, answer.instance, answer.triangle);
+    std::lock_guard lock(mutex_);
+    if (ended_ || request.viewer != request_.viewer) return;
+    Viewer& viewer = *seats_.front().viewer;
+    if (answer.known) return viewer.say(pickedMessage(request.id, there));
+    metrics_.messagesRefused++;
+    const InputError error(PickMessage::TYPE, "no device that holds the scene measures depth", "embree or hybrid as device");
+    viewer.say(errorMessage(error.what(), PickMessage::TYPE, std::nullopt));
 }
 
 /// Sets `focusDistance` to the depth that was measured.

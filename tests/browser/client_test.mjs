@@ -9,6 +9,7 @@ import { doorChecks } from './door_test.mjs';
 import { keyChecks } from './keys_test.mjs';
 import { linkChecks } from './link_test.mjs';
 import { panelChecks } from './panels_test.mjs';
+import { pickChecks } from './pick_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 import { streamChecks } from './stream_test.mjs';
@@ -399,6 +400,7 @@ try {
   await keyChecks(checks);
   await doorChecks(checks);
   await panelChecks(checks);
+  await pickChecks(checks);
   await linkChecks(checks);
   await viewsChecks(checks);
   checks.finish();

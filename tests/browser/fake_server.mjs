@@ -170,8 +170,8 @@ class FakeViewer {
         return this.say({ type: 'error', message: 'watch.view: no such view', about: 'watch', inputId: message.inputId });
       case 'client': // what the viewer's computer is, and whether the page is seen: nothing to answer
         return;
-      case 'focus':
-        return this.focus(message);
+      case 'pick':
+        return this.pick(message);
       default:
         this.refuse(`type: "${message.type}", allowed: camera, settings, ...`, message.type);
     }
@@ -210,11 +210,26 @@ class FakeViewer {
     setTimeout(finish, 900);
   }
 
-  focus({ x, y, inputId }) {
-    if (y < 0.1) return this.refuse('focus: nothing is there, allowed: a place where something is seen', 'focus', inputId);
-    this.settings.focusDistance = 1 + 10 * y + x;
-    this.changed(inputId);
-    this.say({ type: 'settings', values: this.settings, inputId });
+  /** A chair in front of a wall; the sky above. */
+  pick({ x, y, id }) {
+    if (y < 0.1) return this.say({ type: 'picked', id, found: false });
+    const depth = x < 0.6 ? 4 : 7;
+    const tangent = Math.tan(((this.camera?.fieldOfView ?? START.fieldOfView) * Math.PI) / 360);
+    const { position, forward, up } = this.camera ?? START;
+    const right = [forward[1] * up[2] - forward[2] * up[1], forward[2] * up[0] - forward[0] * up[2], forward[0] * up[1] - forward[1] * up[0]];
+    const [across, high] = [(2 * x - 1) * tangent * (this.size.width / this.size.height), (1 - 2 * y) * tangent];
+    const along = [0, 1, 2].map((i) => forward[i] + across * right[i] + high * up[i]);
+    this.say({
+      type: 'picked',
+      id,
+      found: true,
+      object: x < 0.6 ? 'chair' : '',
+      material: x < 0.6 ? 'oak' : 'plaster',
+      distance: depth * Math.hypot(...along),
+      depth,
+      position: along.map((value, i) => position[i] + depth * value),
+      normal: [0, 0, 1],
+    });
   }
 
   play(playing) {

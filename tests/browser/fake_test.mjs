@@ -1,4 +1,4 @@
-// The page in Chromium against the fake server: hybrid settings, partition, timeline, effects panel, click to focus. Part
+// The page in Chromium against the fake server: hybrid settings, partition, timeline, effects panel. Part
 // of client_test.mjs; run alone: node tests/browser/fake_test.mjs. Writes screenshots to out/browser.
 
 import { pathToFileURL } from 'node:url';
@@ -237,20 +237,6 @@ async function effectChecks(checks, session) {
   });
 }
 
-async function focusChecks(checks, session) {
-  const { page } = session;
-  await checks.check('a double click focuses there, in parts of the picture', async () => {
-    await session.ask('/received');
-    await page.mouse.dblclick(720, 600);
-    await until('the focus distance', 5000, async () => (await session.state()).settings.focusDistance !== 5);
-    const messages = await session.received('focus');
-    expect(messages.length === 1, `${messages.length} messages`);
-    const [{ x, y, inputId }] = messages;
-    expect(Math.abs(x - 0.5) < 1e-3 && Math.abs(y - 2 / 3) < 1e-3, `${x} ${y}`);
-    expect(inputId === (await session.state()).lastInputId, `input ${inputId}`);
-  });
-}
-
 async function sizeChecks(checks, session) {
   await checks.check('a picture smaller than asked for is said where the size stands', async () => {
     const size = session.field('resolution').locator('.resolution');
@@ -266,29 +252,6 @@ async function sizeChecks(checks, session) {
     await session.field('resolution').locator('select').selectOption('capped');
     await until('the size alone', 5000, async () => /^\d+ \u00d7 \d+ px$/.test(await read()));
   });
-}
-
-/** A server without a lens: the same gesture says nothing. */
-async function noLensCheck(checks) {
-  const session = new Session();
-  try {
-    await checks.check('without a setting for it, a double click says nothing', async () => {
-      await session.start(DESKTOP, {}, { HELIOGRAPH_FAKE_OMIT: 'focusDistance,aperture' });
-      expect(!('focusDistance' in (await session.state()).settings), 'the setting was not left out');
-      await session.ask('/received');
-      await session.page.mouse.dblclick(720, 450);
-      await session.page.keyboard.press('r'); // something that is answered
-      await session.shown('cornell');
-      const messages = JSON.parse(await session.ask('/received'));
-      expect(
-        messages.some(({ type }) => type === 'camera'),
-        'nothing arrived at all',
-      );
-      expect(!messages.some(({ type }) => type === 'focus'), 'a focus message was sent');
-    });
-  } finally {
-    await session.stop();
-  }
 }
 
 async function phoneChecks(checks) {
@@ -311,7 +274,7 @@ async function phoneChecks(checks) {
         await session.screenshot(`fake-phone-${label.toLowerCase()}`);
       }
     });
-    await checks.check('phone: a long press focuses there', async () => {
+    await checks.check('phone: a long press says what is there', async () => {
       await session.ask('/received');
       const canvas = session.page.locator('body > canvas');
       const fire = (type, x) =>
@@ -325,10 +288,14 @@ async function phoneChecks(checks) {
         );
       await fire('pointerdown', 195);
       await until('the message', 5000, async () => {
-        const [focus] = await session.received('focus');
-        return focus !== undefined && Math.abs(focus.x - 0.5) < 2e-3 && Math.abs(focus.y - 0.25) < 2e-3;
+        const [pick] = await session.received('pick');
+        return pick !== undefined && Math.abs(pick.x - 0.5) < 2e-3 && Math.abs(pick.y - 0.25) < 2e-3;
       });
       await fire('pointerup', 195);
+      await session.page.locator('.pick-card', { hasText: 'chair' }).waitFor({ timeout: 5000 });
+      await session.screenshot('phone-pick');
+      const bad = await badControls(session.page);
+      expect(bad.length === 0, bad.join('\n'));
     });
     await checks.check('nothing was wrong in the browser\u2019s console (phone)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
@@ -347,7 +314,6 @@ export async function fakeChecks(checks) {
     await partitionChecks(checks, session);
     await deviceStatistics(checks, session);
     await effectChecks(checks, session);
-    await focusChecks(checks, session);
     await sizeChecks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (fake server)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
@@ -355,7 +321,6 @@ export async function fakeChecks(checks) {
   } finally {
     await session.stop();
   }
-  await noLensCheck(checks);
   await phoneChecks(checks);
 }
 

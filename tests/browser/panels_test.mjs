@@ -92,11 +92,6 @@ async function words(checks, session) {
     expect(text.includes('move to measure'), text);
     expect(!/\/ 0\b/.test(text), text);
   });
-  await checks.check('a place in the sky is no error of the protocol', async () => {
-    await page.mouse.dblclick(720, 30);
-    await page.locator('.toast.notice', { hasText: 'Nothing to focus on there' }).waitFor({ timeout: 5000 });
-    expect((await page.locator('.toast.error').count()) === 0, 'an error is shown');
-  });
 }
 
 async function looks(checks, session) {

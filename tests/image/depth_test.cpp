@@ -21,19 +21,21 @@ double meets(const ViewRay& ray, dvec3 a, dvec3 b, dvec3 c) {
     return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : std::numeric_limits<double>::infinity();
 }
 
+double depthManual(const Scene& scene, const ViewRay& ray, const Instance& instance, uint32_t triangle) {
+    auto placed = [&](uint32_t vertex) {
+        const glm::dvec4 p(dvec3(scene.positions[vertex]), 1.0);
+        return dvec3(glm::dot(glm::dvec4(instance.toWorld0), p), glm::dot(glm::dvec4(instance.toWorld1), p),
+                     glm::dot(glm::dvec4(instance.toWorld2), p));
+    };
+    const uvec4 t = scene.triangles[scene.meshes[instance.mesh].firstTriangle + triangle];
+    return meets(ray, placed(t.x), placed(t.y), placed(t.z));
+}
+
 double depthManual(const Scene& scene, const ViewRay& ray) {
     double nearest = std::numeric_limits<double>::infinity();
     for (const Instance& instance : scene.instances) {
-        auto placed = [&](uint32_t vertex) {
-            const glm::dvec4 p(dvec3(scene.positions[vertex]), 1.0);
-            return dvec3(glm::dot(glm::dvec4(instance.toWorld0), p), glm::dot(glm::dvec4(instance.toWorld1), p),
-                         glm::dot(glm::dvec4(instance.toWorld2), p));
-        };
-        const Mesh& mesh = scene.meshes[instance.mesh];
-        for (uint32_t i = mesh.firstTriangle; i < mesh.firstTriangle + mesh.triangleCount; i++) {
-            const uvec4 t = scene.triangles[i];
-            nearest = std::min(nearest, meets(ray, placed(t.x), placed(t.y), placed(t.z)));
-        }
+        const uint32_t triangles = scene.meshes[instance.mesh].triangleCount;
+        for (uint32_t i = 0; i < triangles; i++) nearest = std::min(nearest, depthManual(scene, ray, instance, i));
     }
     return nearest;
 }
@@ -52,6 +54,10 @@ void expectDepths(const char* name, uint32_t least) {
             ASSERT_EQ(answer.depth.has_value(), std::isfinite(expected)) << name << " " << x << " " << y;
             if (!answer.depth) continue;
             EXPECT_NEAR(*answer.depth, expected, 1e-5 * expected) << name << " " << x << " " << y;
+            ASSERT_LT(answer.instance, scene->instances.size());
+            const Instance& met = scene->instances[answer.instance];
+            ASSERT_LT(answer.triangle, scene->meshes[met.mesh].triangleCount);
+            EXPECT_NEAR(depthManual(*scene, ray, met, answer.triangle), expected, 1e-5 * expected) << "another triangle";
             met++;
         }
     }

@@ -98,6 +98,24 @@ export function orbit(camera: Camera, distance: number, rightward: number, upwar
   return { ...turned, position: subtract(pivot, scale(turned.forward, distance)) };
 }
 
+/** Where a point of the world lies in the picture, 0..1 from its top left corner; null behind the camera. `aspect`: width over height. */
+export function placeOf(camera: Camera, point: Vec3, aspect: number): { readonly x: number; readonly y: number } | null {
+  const to = subtract(point, camera.position);
+  const depth = dot(to, camera.forward);
+  if (!(depth > 0)) return null;
+  const half = depth * Math.tan((camera.fieldOfView * Math.PI) / 360);
+  return { x: 0.5 + dot(to, rightOf(camera)) / (2 * half * aspect), y: 0.5 - dot(to, camera.up) / (2 * half) };
+}
+
+/** Turned so that `point` is in the middle; the same camera where it stands at the point. */
+export function lookingAt(camera: Camera, point: Vec3): Camera {
+  const to = subtract(point, camera.position);
+  if (length(to) < 1e-9) return camera;
+  const forward = normalize(to);
+  const up = length(cross(forward, camera.up)) > 1e-4 ? camera.up : camera.forward;
+  return orthonormal({ ...camera, forward, up });
+}
+
 /** Length that one pixel covers at `distance` ahead, for a picture `height` pixels high. */
 export function lengthPerPixel(camera: Camera, distance: number, height: number): number {
   return (2 * distance * Math.tan((camera.fieldOfView * Math.PI) / 360)) / Math.max(1, height);

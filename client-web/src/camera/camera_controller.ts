@@ -13,7 +13,7 @@ import {
   type Bounds,
   type Camera,
 } from './camera.js';
-import { clamp } from './vector.js';
+import { clamp, length, subtract, type Vec3 } from './vector.js';
 
 export type NavigationMode = 'fly' | 'orbit';
 
@@ -114,10 +114,14 @@ export class CameraController {
     this.hooks_.changed();
   }
 
-  /** Jumps to a viewpoint; sent at once as a resting camera. */
-  jump(camera: Camera): void {
+  /** Jumps to a viewpoint; sent at once as a resting camera. With a `pivot`, straight ahead, dragging orbits about it. */
+  jump(camera: Camera, pivot: Vec3 | null = null): void {
     this.camera_ = camera;
     this.distance_ = pivotDistance(camera, this.bounds_, this.radius_);
+    if (pivot !== null) {
+      this.mode_ = 'orbit';
+      this.distance_ = Math.max(length(subtract(pivot, camera.position)), 1e-3 * this.radius_);
+    }
     this.finish(null);
     this.hooks_.changed();
   }

@@ -69,22 +69,31 @@ const ICONS = {
   sparkle: ['M11 3l2 6 6 2-6 2-2 6-2-6-6-2 6-2z', 'M19 16.5v5M16.5 19h5'],
   layers: ['M12 3l9 5-9 5-9-5z', 'M3 12l9 5 9-5M3 16l9 5 9-5'],
   clock: ['M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18z', 'M12 7.5V12l3 2'],
+  target: ['M12 5a7 7 0 1 0 0 14 7 7 0 0 0 0-14z', 'M12 2v6M12 16v6M2 12h6M16 12h6'],
+  ruler: ['M3 16L16 3l5 5L8 21z', 'M7 12l2 2M10 9l3 3M13 6l2 2'],
   check: ['M5 12.5l4.5 4.5L19 7.5'],
 } as const;
 
 export type IconName = keyof typeof ICONS;
 
-export function icon(name: IconName): SVGSVGElement {
-  const space = 'http://www.w3.org/2000/svg';
-  const svg = document.createElementNS(space, 'svg');
-  apply(svg, { viewBox: '0 0 24 24', class: 'icon', 'aria-hidden': 'true' });
-  for (const d of ICONS[name]) {
-    const path = document.createElementNS(space, 'path');
-    path.setAttribute('d', d);
-    svg.append(path);
-  }
-  return svg;
+/** A new element of a drawing. */
+export function drawn<K extends keyof SVGElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): SVGElementTagNameMap[K] {
+  const element = document.createElementNS('http://www.w3.org/2000/svg', tag);
+  apply(element, attributes);
+  for (const child of children) if (child !== null) element.append(child);
+  return element;
 }
+
+export const icon = (name: IconName): SVGSVGElement =>
+  drawn(
+    'svg',
+    { viewBox: '0 0 24 24', class: 'icon', 'aria-hidden': 'true' },
+    ...ICONS[name].map((d) => drawn('path', { d })),
+  );
 
 /** A button with an icon and, where there is room, a visible label; `hint` adds the key to the tooltip. */
 export function iconButton(name: IconName, label: string, hint: string, className: string): HTMLButtonElement {

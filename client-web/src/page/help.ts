@@ -23,7 +23,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
       [['Drag'], 'look, or turn around the scene in orbit mode'],
       [['Right drag', 'Shift drag'], 'pan'],
       [['Wheel'], 'come nearer, go back'],
-      [['Double click'], 'focus there, where the camera has a lens'],
+      [['Double click'], 'what is there; measure, orbit or focus there'],
     ],
   },
   {
@@ -31,7 +31,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     rows: [
       [['One finger'], 'look or orbit'],
       [['Two fingers'], 'pan; pinch to come nearer'],
-      [['Long press'], 'focus there, where the camera has a lens'],
+      [['Long press'], 'what is there; measure, orbit or focus there'],
     ],
   },
   {
@@ -42,6 +42,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
       [['V'], 'all of the scene in view'],
       [['Ctrl Z'], 'take the last change of settings back'],
       [['Esc'], 'back to the picture'],
+      [['I'], 'what is in the middle of the picture'],
       [['P'], 'show which device made which part'],
       [['F1'], 'hide or show the panels'],
       [['F2'], 'start or stop the benchmark path'],

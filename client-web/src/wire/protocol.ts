@@ -7,6 +7,7 @@ import { ProtocolError } from './frame.js';
 import { cameraOf, vectorOf } from './camera_fields.js';
 import { effectCostsOf, type EffectCostsMessage } from './effect_costs_message.js';
 import { partitionOf, type Partition } from './partition_message.js';
+import { pickedOf, type PickedMessage } from './picked_message.js';
 import { watchingOf, type WatchingMessage } from './watching_message.js';
 
 export const PROTOCOL = 'heliograph.v1';
@@ -165,6 +166,7 @@ export type ServerMessage =
   | Stats
   | Partition
   | EffectCostsMessage
+  | PickedMessage
   | WatchingMessage
   | ResolutionMessage
   | { readonly type: 'settings'; readonly values: SettingValues; readonly inputId: number | null }
@@ -386,6 +388,8 @@ export function parseMessage(text: string): ServerMessage | null {
       return statsOf(fields);
     case 'effectCosts':
       return effectCostsOf(fields);
+    case 'picked':
+      return pickedOf(fields);
     case 'partition':
       return partitionOf(fields);
     case 'settings':

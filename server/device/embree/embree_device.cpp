@@ -107,7 +107,7 @@ public:
             for (const auto& [settings, built] : built_) scene = built;  // depths don't depend on the kind of tree
         }
         if (!scene) return {};
-        return {true, scene->depthAlong(ray)};
+        return scene->depthAlong(ray);
     }
 
 private:

@@ -126,13 +126,14 @@ EmbreeScene::EmbreeScene(RTCDevice device, std::shared_ptr<const Scene> scene, u
     commit(device, root_.get(), progress);
 }
 
-std::optional<double> EmbreeScene::depthAlong(const ViewRay& ray) const {
+DepthAnswer EmbreeScene::depthAlong(const ViewRay& ray) const {
     const double length = glm::length(ray.direction);
     alignas(64) RTCRayHit16 packet;
     setRay(packet.ray, 0, vec3(ray.origin), vec3(ray.direction / length), std::numeric_limits<float>::infinity());
     traceClosest(target(), packet, 1, {1, false});
-    if (packet.hit.geomID[0] == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return static_cast<double>(packet.ray.tfar[0]) / length;
+    if (packet.hit.geomID[0] == RTC_INVALID_GEOMETRY_ID) return {true, std::nullopt};
+    const Hit hit = hitOf(packet.hit.geomID[0], packet.hit.primID[0], packet.hit.instID[0][0]);
+    return {true, static_cast<double>(packet.ray.tfar[0]) / length, hit.instance, hit.primitive};
 }
 
 EmbreeHandle<RTCGeometry> EmbreeScene::makeTriangles(RTCDevice device, const Mesh& mesh) {

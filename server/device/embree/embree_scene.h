@@ -3,6 +3,7 @@
 // index buffers shared with the scene, filter functions only where a surface is not opaque.
 
 #include "server/base/progress.h"
+#include "server/device/device.h"
 #include "server/device/embree/ray_packet.h"
 #include "server/request/camera.h"
 #include "server/scene/kernel_tables.h"
@@ -44,8 +45,8 @@ public:
     bool coherentPrimary() const { return coherentPrimary_; }
     bool coherentShadows() const { return coherentShadows_; }
 
-    /// Distance to the nearest surface, in lengths of the ray's direction; holes of cut-outs are looked through.
-    std::optional<double> depthAlong(const ViewRay& ray) const;
+    /// The nearest surface; holes of cut-outs are looked through.
+    DepthAnswer depthAlong(const ViewRay& ray) const;
 
     /// The kernel's hit from Embree's: only ids are taken.
     static Hit hitOf(uint32_t geometry, uint32_t primitive, uint32_t instance) {

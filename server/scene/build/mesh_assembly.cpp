@@ -64,7 +64,8 @@ struct PlacedCopy {
 /// One copy of a mesh in the scene's arrays.
 struct Copy {
     const MeshData* mesh = nullptr;
-    Placement placement;  // identity where the copy stays in object space
+    const std::string* name = nullptr;  // of the one that is placed; of shared ones nothing
+    Placement placement;                // identity where the copy stays in object space
     uint64_t firstVertex = 0;
     std::array<uint64_t, 3> triangles{};      // by opacity class
     std::array<uint64_t, 3> firstTriangle{};  // by opacity class
@@ -108,11 +109,11 @@ private:
             bool bake = placement.identity ? uses[placed.mesh] == 1 : uses[placed.mesh] == 1 && !farFromOrigin(bounds);
             grow(scene_.bounds, bounds);
             if (bake) {
-                baked_.push_back(copyOf(mesh, placement));
+                baked_.push_back(copyOf(mesh, placement, &placed.name));
             } else {
                 if (sharedIndex_[placed.mesh] == NO_INDEX) {
                     sharedIndex_[placed.mesh] = static_cast<uint32_t>(shared_.size());
-                    shared_.push_back(copyOf(mesh, Placement{}));
+                    shared_.push_back(copyOf(mesh, Placement{}, nullptr));
                 }
                 instances_.push_back({sharedIndex_[placed.mesh], placement, &placed});
             }
@@ -128,7 +129,7 @@ private:
             if (traceable(instance.placement, reach)) return false;
             const MeshData& mesh = *shared_[instance.shared].mesh;
             copied += mesh.indices.size();
-            if (copied <= MOST_COPIED_TRIANGLES) baked_.push_back(copyOf(mesh, instance.placement));
+            if (copied <= MOST_COPIED_TRIANGLES) baked_.push_back(copyOf(mesh, instance.placement, &instance.source->name));
             else drop(*instance.source);
             return true;
         });
@@ -208,9 +209,10 @@ private:
         return opacity_[material];
     }
 
-    Copy copyOf(const MeshData& mesh, const Placement& placement) const {
+    Copy copyOf(const MeshData& mesh, const Placement& placement, const std::string* name) const {
         Copy copy;
         copy.mesh = &mesh;
+        copy.name = name;
         copy.placement = placement;
         const bool alphaColors = seeThrough(mesh);
         for (size_t i = 0; i < mesh.indices.size(); i++) copy.triangles[classOf(mesh, i, alphaColors)]++;
@@ -233,6 +235,7 @@ private:
             bool tangents = false;
             for (Copy& copy : baked_) {
                 copy.firstTriangle[c] = triangles;
+                if (copy.triangles[c] > 0) scene_.objects.addTriangles(static_cast<uint32_t>(triangles), *copy.name);
                 triangles += copy.triangles[c];
                 tangents |= copy.triangles[c] > 0 && !copy.mesh->tangents.empty();
             }
@@ -339,6 +342,7 @@ private:
         for (const auto& [shared, placement, source] : instances_) {
             for (uint32_t mesh : sharedMesh_[shared]) {
                 if (mesh == NO_INDEX) continue;
+                scene_.objects.addInstance(static_cast<uint32_t>(scene_.instances.size()), source->name);
                 scene_.instances.push_back(instanceOf(placement, mesh, scene_.meshes[mesh].firstTriangle));
             }
         }

@@ -104,6 +104,11 @@ public:
         focuses.push_back({request.inputId, answer.depth.value_or(-1.0)});
         changed.notify_all();
     }
+    void picked(const PickRequest& request, const DepthAnswer& answer, const Scene&) override {
+        std::lock_guard lock(mutex);
+        picks.push_back({request.id, answer.depth.value_or(-1.0)});
+        changed.notify_all();
+    }
     void failed(const std::string& what) override {
         std::lock_guard lock(mutex);
         failures.push_back(what);
@@ -130,6 +135,7 @@ public:
     std::vector<FrameSummary> runs;
     std::vector<std::string> failures;
     std::vector<std::pair<uint32_t, double>> focuses;  // input id and depth
+    std::vector<std::pair<uint32_t, double>> picks;    // id and depth
     std::vector<vec4> pixels;
 };
 
@@ -427,6 +433,32 @@ TEST(FrameLoop, FocusDoesNotWaitForARefinement) {
     s.device->untilArrived();  // inside a refinement pass, which would wait for ever
     s.loop.focus({{glm::dvec3(5, 0, 0), glm::dvec3(0, 0, -1)}, 2});
     EXPECT_TRUE(s.viewer.until([&] { return s.viewer.focuses.size() == 1; }));
+    s.device->hold(false);
+}
+
+TEST(FrameLoop, APickNeitherWaitsForARefinementNorReplacesAFocus) {
+    Stage s;
+    s.viewer.credit = 1;
+    s.device->depthHeld = true;
+    s.loop.setScene(sceneOn(s.device), inputFrom(1, 1'000));
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.size() == 1; }));
+    s.device->hold(true);
+    s.device->untilArrived();  // inside a refinement pass, which would wait for ever
+    const ViewRay ray{glm::dvec3(5, 0, 0), glm::dvec3(0, 0, -1)};
+    s.loop.pick({ray, 1});
+    {
+        std::unique_lock lock(s.device->mutex);
+        ASSERT_TRUE(s.device->changed.wait_for(lock, PATIENCE, [&] { return s.device->depthCalls == 1; }));
+    }
+    s.loop.focus({ray, 9});
+    for (uint32_t id = 2; id <= 50; id++) s.loop.pick({ray, id});
+    {
+        std::lock_guard lock(s.device->mutex);
+        s.device->depthHeld = false;
+        s.device->changed.notify_all();
+    }
+    EXPECT_TRUE(s.viewer.until([&] { return s.viewer.picks.size() == 2 && s.viewer.focuses.size() == 1; }));
+    EXPECT_EQ(s.viewer.picks, (std::vector<std::pair<uint32_t, double>>{{1, 5.0}, {50, 5.0}}));
     s.device->hold(false);
 }
 

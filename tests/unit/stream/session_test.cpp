@@ -216,6 +216,36 @@ TEST(Session, FocusesOnWhatIsThereOrSaysThatNothingIs) {
     EXPECT_EQ(answered(6, "settings")["values"]["focusDistance"], 7.5);
 }
 
+TEST(Session, SaysWhatLiesUnderAPlaceOfThePicture) {
+    Line line;
+    line.session->begin();
+    line.size();
+    line.say({{"type", "pick"}, {"x", 0.5}, {"y", -0.5}, {"id", 1}});
+    EXPECT_THAT(line.socket->last("error")["message"], testing::HasSubstr("pick.y: -0.5; allowed: 0 to 1"));
+    auto answer = [&](uint32_t id) {
+        line.say({{"type", "pick"}, {"x", 0.5}, {"y", 0.5}, {"id", id}});
+        EXPECT_TRUE(line.socket->until([&] {
+            return std::ranges::any_of(line.socket->texts,
+                                       [&](const json& m) { return m["type"] == "picked" && m["id"] == id; });
+        }));
+        return line.socket->last("picked");
+    };
+    EXPECT_EQ(answer(2)["found"], false);
+    line.host.device->depth = {true, 7.5};
+    const json found = answer(3);
+    EXPECT_EQ(found["found"], true);
+    EXPECT_EQ(found["depth"], 7.5);
+    EXPECT_EQ(found["object"], "") << "ids that the scene does not have";
+    line.host.device->depth = {false, std::nullopt};
+    line.say({{"type", "pick"}, {"x", 0.5}, {"y", 0.5}, {"id", 4}});
+    EXPECT_TRUE(line.socket->until([&] {
+        return std::ranges::any_of(line.socket->texts, [](const json& m) {
+            return m["type"] == "error" && m["about"] == "pick" &&
+                   m["message"].get<std::string>().find("measures depth") != std::string::npos;
+        });
+    }));
+}
+
 TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
     Line line;
     line.session->begin();

@@ -160,6 +160,7 @@ TEST_F(Watching, WhoWatchesDoesNotDrive) {
     b->say({{"type", "scene"}, {"name", "second"}});
     b->say({{"type", "path"}, {"playing", true}});
     b->say({{"type", "focus"}, {"x", 0.5}, {"y", 0.5}, {"inputId", 43}});
+    b->say({{"type", "pick"}, {"x", 0.5}, {"y", 0.5}, {"id", 1}});
     b->say({{"type", "effectCosts"}});
     b->set("exposure", 2.0, 44);
     b->say({{"type", "settings"}, {"inputId", 45}, {"values", {{"jpegQuality", 20}, {"samples", 9}}}});
@@ -169,8 +170,8 @@ TEST_F(Watching, WhoWatchesDoesNotDrive) {
         refused.push_back(text["about"]);
         EXPECT_THAT(text["message"], HasSubstr(": this view is driven by another viewer; allowed: in a view of your own"));
     }
-    EXPECT_EQ(refused, (std::vector<std::string>{"camera", "resolution", "scene", "path", "focus", "effectCosts", "settings",
-                                                 "settings"}));
+    EXPECT_EQ(refused, (std::vector<std::string>{"camera", "resolution", "scene", "path", "focus", "pick", "effectCosts",
+                                                 "settings", "settings"}));
     EXPECT_EQ(b->socket->last("settings")["values"]["jpegQuality"], 80) << "all or none";
     EXPECT_EQ(a->socket->last("settings")["values"]["exposure"], 0.0);
     a->look(12);

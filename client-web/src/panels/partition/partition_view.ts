@@ -133,3 +133,10 @@ export class PartitionView {
     [...this.legend_.children].forEach((row, i) => setText(row.lastElementChild!, percent(shares[i]!)));
   }
 }
+
+/** Shows or hides who made which part of the picture. */
+export function togglePartition(viewer: Viewer): void {
+  const shown = viewer.settings.value('showPartition');
+  if (shown !== undefined) return viewer.setSettings({ showPartition: shown !== true });
+  viewer.onMessage({ kind: 'notice', text: 'This server cannot say which device made which part of the picture.' });
+}
