@@ -29,7 +29,8 @@ device/remote        base kernel scene request film device pool
 encode               base kernel images
 net/guard            base
 net/listen           base net/guard
-net                  base kernel scene request net/guard net/listen
+uploads              base
+net                  base kernel scene request net/guard net/listen uploads
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
 pace                 base
@@ -37,7 +38,7 @@ loop                 base kernel scene request film device schedule render pace
 stream               base kernel scene scene/load request film device schedule render pace loop encode net net/guard
 operations           base kernel scene request film net net/guard net/listen stream
 service              base kernel scene scene/load request film device schedule render loop encode net net/guard stream operations
-app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool lab stream operations service
+app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool lab stream operations service uploads
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...

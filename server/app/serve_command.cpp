@@ -1,6 +1,7 @@
 #include "server/app/serve_command.h"
 
 #include "server/app/devices.h"
+#include "server/app/offered_scenes.h"
 #include "server/app/scene_options.h"
 #include "server/service/service.h"
 #include "server/base/error.h"
@@ -36,35 +37,16 @@ constexpr auto LOOK_AROUND = 500ms;     // how often the main thread looks after
 ServiceOptions serviceOptions(const ServeOptions& options) {
     ServiceOptions service;
     for (const std::string& setting : options.settings) service.defaults.setFromText(setting);
-    service.scenes = sceneRecipes();
-    auto recipe = std::find_if(service.scenes.begin(), service.scenes.end(),
-                               [&](const SceneRecipe& r) { return r.name == options.scene; });
-    std::string file, fileName;
-    const auto isFile = [](const std::string& name) {
-        std::error_code error;
-        return std::filesystem::exists(name, error);
-    };
-    const SceneName first = sceneNameOf(options.scene, isFile);
-    if (recipe != service.scenes.end()) {
-        std::rotate(service.scenes.begin(), recipe, recipe + 1);
-    } else {
-        file = first.name;
-        fileName = std::filesystem::path(file).filename().string();
-        service.scenes.insert(service.scenes.begin(), {fileName, "The file given at the start of the server"});
-        if (!first.variant.empty())
-            service.scenes.insert(service.scenes.begin(), {fileName + "#" + first.variant, "Its look of that name"});
-    }
-    service.openScene = [=](const std::string& name, const Progress& progress) {
-        const auto isOffered = [&](const std::string& offered) { return !file.empty() && offered == fileName; };
-        const auto [base, variant] = sceneNameOf(name, isOffered);
-        const std::string source = isOffered(base) ? file : base;
-        return openScene(variant.empty() ? source : source + "#" + variant, options.environment, progress);
-    };
+    const auto scenes = std::make_shared<const OfferedScenes>(options);
+    service.scenes = scenes->list();
+    service.openScene = [scenes](const std::string& name, const Progress& progress) { return scenes->open(name, progress); };
+    service.opensToo = [scenes](const std::string& name) { return scenes->opensToo(name); };
     service.devices = deviceOffer(options.devices);
     std::string device = Settings::choiceWord("device", service.defaults.device);
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())
         throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");
     service.socket = socketOptions(options, handedOverSockets());
+    service.socket.uploads = scenes->uploads();
     service.socket.files = readClientFiles(clientFolder(options.client));
     service.leastRate = static_cast<double>(options.leastRate);
     service.caps = {static_cast<uint32_t>(options.mostSamples), static_cast<uint32_t>(options.mostRays),

@@ -99,6 +99,8 @@ int SocketLoop::http(lws* wsi, lws_callback_reasons reason, std::string_view in)
             handler_.turned();
             return 0;
         case LWS_CALLBACK_HTTP: return request(wsi, in);
+        case LWS_CALLBACK_HTTP_BODY: return takeUpload(wsi, in);
+        case LWS_CALLBACK_HTTP_BODY_COMPLETION: return endUpload(wsi);
         case LWS_CALLBACK_HTTP_WRITEABLE: return writeAnswer(wsi);
         case LWS_CALLBACK_HTTP_CONFIRM_UPGRADE:
             // The library lets HTTP/2 come as far as this.
@@ -106,7 +108,10 @@ int SocketLoop::http(lws* wsi, lws_callback_reasons reason, std::string_view in)
                        ? upgrade(wsi)
                        : refuse(wsi, 426, "only WebSocket is spoken here beside HTTP/1.1");
         case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION: return -1;  // a WebSocket without our protocol
-        case LWS_CALLBACK_CLOSED_HTTP: answers_.erase(wsi); return 0;
+        case LWS_CALLBACK_CLOSED_HTTP:
+            answers_.erase(wsi);
+            incoming_.erase(wsi);
+            return 0;
         default: return 0;
     }
 }
@@ -132,6 +137,7 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
     if (!namesUs(wsi)) return refuse(wsi, 421, NOT_OUR_NAME);
     if (path == "/admin" || path.starts_with("/admin/")) return admin(wsi, path);
     if (path == "/ws") return whyNot(wsi);
+    if (path == "/uploads") return uploads(wsi);
     if (lws_hdr_total_length(wsi, WSI_TOKEN_GET_URI) <= 0 && lws_hdr_total_length(wsi, WSI_TOKEN_HEAD_URI) <= 0) {
         return refuse(wsi, 405, "only GET is answered here");
     }

@@ -165,6 +165,7 @@ void SocketLoop::note(lws* wsi, const std::string& what, std::optional<CloseCode
 void SocketLoop::sweepLinks() {
     if (notesLeftOut_ > 0 && notes_.take(1.0, wallSeconds()))
         log().info("{} more lines about connections left out", std::exchange(notesLeftOut_, 0));
+    sweepUploads();
     const auto now = Clock::now();
     for (auto& [wsi, link] : links_) {
         if (viewers_.contains(wsi) || link.leaving) continue;

@@ -106,6 +106,13 @@ private:
         bool leaving = false;   // gave way
         uint64_t consumed = 0;  // bytes read when the last request was looked at
     };
+    /// Files that come in the body of a request.
+    struct Incoming {
+        std::unique_ptr<Upload> upload;  // null: refused; what comes is dropped
+        Clock::time_point since;
+        unsigned status = 0;  // that it is refused with, once all has come
+        std::string why;
+    };
     struct Viewer {
         std::shared_ptr<Connection> connection;
         WriteWatch writes;
@@ -129,6 +136,11 @@ private:
     int request(lws* wsi, std::string_view path);
     unsigned sizeStatus(lws* wsi);
     int admin(lws* wsi, std::string_view path);
+    int uploads(lws* wsi);
+    int beginUpload(lws* wsi);
+    int takeUpload(lws* wsi, std::string_view piece);
+    int endUpload(lws* wsi);
+    void sweepUploads();
     std::string addressOf(lws* wsi) const;
     std::string guardedAddress(lws* wsi) const;
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
@@ -186,6 +198,7 @@ private:
     std::optional<SocketAccess> reload_;  // not taken yet
     std::shared_ptr<Waker> waker_ = std::make_shared<Waker>();
     std::map<lws*, Answer> answers_;
+    std::map<lws*, Incoming> incoming_;
     std::map<lws*, Viewer> viewers_;  // guests among them
     std::map<lws*, Link> links_;
     size_t room_ = 0;                                // connections that descriptors suffice for

@@ -5,6 +5,7 @@
 #include "server/net/client_files.h"
 #include "server/net/listen/listen_address.h"
 #include "server/net/viewer_socket.h"
+#include "server/uploads/upload_store.h"
 
 #include <memory>
 #include <optional>
@@ -36,6 +37,7 @@ struct SocketOptions : SocketAccess {
     size_t spareConnections = SPARE_CONNECTIONS;  // beside the viewers
     size_t spareConnectionsPerAddress = SPARE_PER_ADDRESS;
     ClientFiles files;
+    std::shared_ptr<UploadStore> uploads;  // null: viewers bring no files
 };
 
 /// What the server does with viewers. Called from the socket's thread; must not block.

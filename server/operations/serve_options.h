@@ -24,6 +24,9 @@ struct ServeOptions {
     bool insecure = false;
     std::string certificate, key;
     std::string client;
+    std::string scenes;   // folder of scene files that are offered, or empty
+    std::string uploads;  // folder for the files that viewers bring, or empty: they bring none
+    uint64_t uploadMib = 256, uploadQuotaMib = 1024, uploadFiles = 1000, uploadSeconds = 600;
     std::vector<std::string> origins;
     uint64_t maxViewers = MAX_VIEWERS;
     uint64_t maxGuests = MAX_GUESTS;

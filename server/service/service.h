@@ -19,12 +19,13 @@ struct ServiceOptions {
     SocketOptions socket;
     std::vector<SceneRecipe> scenes;  // on offer; the first is where viewers start
     SceneCache::Opener openScene;
-    DeviceOffer devices;                 // viewers choose between them
-    Settings defaults;                   // of every viewer
-    uint64_t pictureBytes = 2ull << 30;  // memory for the pictures of all viewers (film_shares.h)
-    SettingCaps caps;                    // of every viewer
-    double leastRate = 0.0;              // frames a second; a newcomer who would see fewer is refused (admission.h)
-    std::chrono::seconds watchdog{20};   // a part that has not moved for so long is stuck
+    std::function<bool(const std::string&)> opensToo;  // names beside `scenes`, of which nobody is told; may be empty
+    DeviceOffer devices;                               // viewers choose between them
+    Settings defaults;                                 // of every viewer
+    uint64_t pictureBytes = 2ull << 30;                // memory for the pictures of all viewers (film_shares.h)
+    SettingCaps caps;                                  // of every viewer
+    double leastRate = 0.0;             // frames a second; a newcomer who would see fewer is refused (admission.h)
+    std::chrono::seconds watchdog{20};  // a part that has not moved for so long is stuck
     std::chrono::milliseconds keepViews = KEPT_VIEW;  // of who has gone with a broken line, until it comes back
 };
 
@@ -63,6 +64,7 @@ public:
 private:
     // SessionHost
     std::vector<SceneRecipe> scenes() const override { return options_.scenes; }
+    bool opensToo(const std::string& name) const override { return options_.opensToo && options_.opensToo(name); }
     std::vector<std::string> devices() const override { return options_.devices.words; }
     std::shared_ptr<void> openScene(const std::string& name, SceneListener listener) override;
     uint64_t grantPixels(uint32_t view, uint64_t wanted) override;

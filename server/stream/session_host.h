@@ -26,6 +26,8 @@ public:
     virtual ~SessionHost() = default;
     /// The scenes on offer; the first is where a viewer starts.
     virtual std::vector<SceneRecipe> scenes() const = 0;
+    /// Scenes beside those, which nobody is told of: whether this may be the name of one.
+    virtual bool opensToo(const std::string&) const { return false; }
     /// Words of the setting `device` that a viewer may choose.
     virtual std::vector<std::string> devices() const = 0;
     /// Opens one of them in the background. After the returned ticket is gone the listener is not called any more (a call

@@ -121,7 +121,7 @@ void View::handle(const Viewer& viewer, const SceneMessage& message) {
     }
     std::vector<SceneRecipe> scenes = host_.scenes();
     const auto isOffered = [&](const std::string& name) {
-        return std::ranges::find(scenes, name, &SceneRecipe::name) != scenes.end();
+        return std::ranges::find(scenes, name, &SceneRecipe::name) != scenes.end() || host_.opensToo(name);
     };
     if (!isOffered(sceneNameOf(message.name, isOffered).name))
         throw InputError("scene.name", nlohmann::json(message.name).dump().substr(0, 80), namesOf(scenes));

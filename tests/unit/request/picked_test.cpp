@@ -2,7 +2,10 @@
 
 #include "server/scene/build/scene_builder.h"
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace heliograph {
 namespace {
