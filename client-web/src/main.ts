@@ -21,6 +21,7 @@ import { recall, remember } from './page/storage.js';
 import { Toasts } from './page/toast.js';
 import { Dock, SceneBar, type DockHooks, type SceneBarHooks } from './page/toolbar.js';
 import { traceFile } from './picture/frame_trace.js';
+import { UploadView } from './upload/upload_view.js';
 import { Viewer } from './viewer.js';
 import { Compare } from './views/compare.js';
 import { ViewShelf } from './views/view_shelf.js';
@@ -109,12 +110,20 @@ async function copyLink(link: string, toasts: Toasts): Promise<void> {
 }
 
 /** What leads to views: links, those that are saved, and the one to compare with. */
-function sceneBarHooks(viewer: Viewer, link: ViewLink, canvas: HTMLCanvasElement, compare: Compare, toasts: Toasts): SceneBarHooks {
+function sceneBarHooks(
+  viewer: Viewer,
+  link: ViewLink,
+  canvas: HTMLCanvasElement,
+  compare: Compare,
+  toasts: Toasts,
+  ownFiles: () => void,
+): SceneBarHooks {
   const shelf = new ViewShelf(viewer, canvas, () => link.link());
   return {
     copyLink: () => void copyLink(link.link(), toasts),
     views: () => shelf.items(),
     compare: () => compare.begin(),
+    ownFiles,
   };
 }
 
@@ -186,6 +195,7 @@ function start(): void {
   const banner = new Banner(viewer, announce);
   const partition = new PartitionView(viewer, announce);
   const compare = new Compare(canvas);
+  const upload = new UploadView(viewer, announce);
   const pick = new PickView(viewer, announce, () => canvas.focus({ preventScroll: true }));
   page.append(
     partition.overlay,
@@ -193,13 +203,14 @@ function start(): void {
     partition.card,
     pick.marks,
     pick.card,
-    new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts)).element,
+    new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts, () => upload.choose())).element,
     dock.element, // before the panels, whose many fields would stand between it and the picture
     statistics.element,
     el('div', { class: 'column' }, settings.element, effects.element),
     restore,
     banner.element,
     toasts.element,
+    upload.element,
     live,
     help.element,
   );

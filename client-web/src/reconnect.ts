@@ -1,5 +1,6 @@
 // After a reconnect: the scene that was shown before comes back, if the server still has it. Knows no DOM and no socket.
 
+import { isUploaded } from './upload/upload_files.js';
 import type { SceneMessage } from './wire/protocol.js';
 
 /** What to do with the server's word on a scene. */
@@ -39,7 +40,7 @@ export class Restoring {
   step(message: SceneMessage, offered: readonly string[]): SceneStep {
     const scene = this.scene_;
     if (scene === null || message.name === scene) return SHOW;
-    if (!offered.some((name) => scene === name || scene.startsWith(`${name}#`))) {
+    if (!offered.some((name) => scene === name || scene.startsWith(`${name}#`)) && !isUploaded(scene)) {
       this.cancel();
       return SHOW;
     }

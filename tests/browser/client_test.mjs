@@ -14,6 +14,7 @@ import { badControls, difference, overlaps, picture, pngSize } from './look.mjs'
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 import { streamChecks } from './stream_test.mjs';
 import { resumeChecks } from './resume_test.mjs';
+import { uploadChecks } from './upload_test.mjs';
 import { viewsChecks } from './views_test.mjs';
 import { watchChecks } from './watch_test.mjs';
 
@@ -403,5 +404,6 @@ try {
   await pickChecks(checks);
   await linkChecks(checks);
   await viewsChecks(checks);
+  await uploadChecks(checks);
   checks.finish();
 }

@@ -2,8 +2,10 @@
 
 /** `courtyard` as "Courtyard"; of a path only the file's name. */
 export function displayName(name: string): string {
-  const base = name.split(/[\\/]/).pop() ?? name;
-  return base.charAt(0).toUpperCase() + base.slice(1);
+  const [scene, surroundings] = name.split(/\+upload\/[0-9a-f]+\//);
+  const base = (scene ?? name).split(/[\\/]/).pop() ?? name;
+  const shown = base.charAt(0).toUpperCase() + base.slice(1);
+  return surroundings === undefined ? shown : `${shown} with ${surroundings}`;
 }
 
 /** Of the browser's tab; `done`: the picture has all its samples. */

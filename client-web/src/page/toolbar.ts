@@ -17,6 +17,8 @@ export interface SceneBarHooks {
   readonly copyLink: () => void;
   /** To save views and to go to them. */
   readonly views: () => readonly MenuItem[];
+  /** Asks for files of the viewer's own. */
+  readonly ownFiles: () => void;
   /** Freezes the picture to compare with what comes. */
   readonly compare: () => void;
 }
@@ -75,12 +77,14 @@ export class SceneBar {
     const { hello, scene, readyName } = this.viewer_.state;
     const offered = (hello?.scenes ?? []).map((entry) => entry.name);
     const present = sceneOfLook(scene?.state === 'loading' ? scene.name : readyName, offered);
-    return (hello?.scenes ?? []).map((entry) => ({
+    const items = (hello?.scenes ?? []).map((entry) => ({
       label: displayName(entry.name),
       description: entry.description,
       checked: entry.name === present,
       choose: () => this.viewer_.openScene(entry.name),
     }));
+    const own = { label: 'Own files …', description: 'Or drop a model, its folder, or an HDR on the page' };
+    return [...items, { ...own, choose: this.hooks_.ownFiles }];
   }
 
   private cameraItems(): readonly MenuItem[] {

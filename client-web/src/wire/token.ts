@@ -24,16 +24,19 @@ export function keepToken(token: string): void {
   }
 }
 
+/** Of this tab. */
+export function keptToken(): string | null {
+  try {
+    return sessionStorage.getItem(KEY);
+  } catch {
+    return null;
+  }
+}
+
 /** Of the address, which is cleared of it, else the one kept. */
 export function takeToken(): string | null {
   const token = tokenOf(location.href);
-  if (token === null) {
-    try {
-      return sessionStorage.getItem(KEY);
-    } catch {
-      return null;
-    }
-  }
+  if (token === null) return keptToken();
   keepToken(token);
   history.replaceState(history.state, '', withoutToken(location.href));
   return token;

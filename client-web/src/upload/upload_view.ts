@@ -1,0 +1,123 @@
+// Own files: dropped on the page or chosen, sent to the server with progress, and opened.
+
+import { el, icon, setText } from '../page/dom.js';
+import { percent } from '../page/format.js';
+import { keptToken } from '../wire/token.js';
+import { isObject } from '../wire/fields.js';
+import type { Viewer } from '../viewer.js';
+import { chosenFiles, droppedFiles, type BroughtFile } from './dropped_files.js';
+import { chooseUpload, sceneToOpen, uploadHead, type UploadLimits } from './upload_files.js';
+import './upload_view.css';
+
+const ADDRESS = 'uploads';
+
+export class UploadView {
+  readonly element: HTMLElement;
+  private readonly text_ = el('span', { class: 'upload-text' });
+  private readonly progress_ = el('progress', { max: 1, value: 0, 'aria-label': 'Upload' });
+  private readonly field_ = el('input', { type: 'file', multiple: true, hidden: true, 'aria-label': 'Own files' });
+  private readonly drop_ = el('div', { class: 'drop-frame', hidden: true }, 'Drop a glTF, GLB or OBJ, its folder, or an HDR');
+  private readonly card_: HTMLElement;
+  private request_: XMLHttpRequest | null = null;
+
+  constructor(
+    private readonly viewer_: Viewer,
+    private readonly announce_: (text: string) => void,
+  ) {
+    const cancel = el('button', { type: 'button', class: 'ghost', 'aria-label': 'Stop the upload' }, icon('close'));
+    cancel.addEventListener('click', () => this.request_?.abort());
+    this.card_ = el('div', { class: 'upload-card', hidden: true }, this.text_, cancel, this.progress_);
+    this.element = el('div', {}, this.drop_, this.card_, this.field_);
+    this.field_.addEventListener('change', () => {
+      if (this.field_.files !== null) void this.bring(chosenFiles(this.field_.files));
+      this.field_.value = '';
+    });
+    window.addEventListener('dragover', (event) => this.over(event));
+    window.addEventListener('dragleave', (event) => {
+      if (event.relatedTarget === null) this.drop_.hidden = true;
+    });
+    window.addEventListener('drop', (event) => void this.dropped(event));
+  }
+
+  /** Asks for files, for who does not drag. */
+  choose(): void {
+    this.field_.click();
+  }
+
+  private over(event: DragEvent): void {
+    if (!(event.dataTransfer?.types.includes('Files') ?? false)) return;
+    event.preventDefault();
+    this.drop_.hidden = false;
+  }
+
+  private async dropped(event: DragEvent): Promise<void> {
+    this.drop_.hidden = true;
+    if (event.dataTransfer === null || !event.dataTransfer.types.includes('Files')) return;
+    event.preventDefault(); // else the browser leaves the page for the file
+    await this.bring(await droppedFiles(event.dataTransfer));
+  }
+
+  private async bring(all: readonly BroughtFile[]): Promise<void> {
+    const say = (text: string): void => this.viewer_.onMessage({ kind: 'error', text });
+    if (this.viewer_.seat.drivenByOthers() || all.length === 0) return;
+    if (this.request_ !== null) return say('An upload is under way. Wait for it, or stop it.');
+    const choice = chooseUpload(all, await this.limits());
+    if (choice.name === 'refused') return say(choice.why);
+    if (choice.leftOut > 0)
+      this.viewer_.onMessage({ kind: 'notice', text: `${choice.leftOut} of ${all.length} files belong to no scene and stay here.` });
+    const { files, scene } = choice;
+    const body = new Blob([uploadHead(scene.path, files) as BlobPart, ...files.map(({ file }) => file)]);
+    this.send(body, scene.path);
+  }
+
+  /** What the server takes; null where it takes nothing. */
+  private async limits(): Promise<UploadLimits | null> {
+    const headers = authorization();
+    try {
+      const answer = await fetch(ADDRESS, { headers });
+      const told: unknown = answer.ok ? await answer.json() : null;
+      if (!isObject(told)) return null;
+      return { bytes: Number(told['bytes']), files: Number(told['files']), free: Number(told['free']) };
+    } catch {
+      return null;
+    }
+  }
+
+  private send(body: Blob, scene: string): void {
+    const request = new XMLHttpRequest(); // fetch tells nothing of what was sent
+    this.request_ = request;
+    request.open('POST', ADDRESS);
+    for (const [name, value] of Object.entries(authorization())) request.setRequestHeader(name, value);
+    request.upload.addEventListener('progress', ({ loaded, total }) => this.show(scene, total > 0 ? loaded / total : 0));
+    request.addEventListener('loadend', () => this.ended(request));
+    this.show(scene, 0);
+    this.announce_(`Uploading ${scene}.`);
+    request.send(body);
+  }
+
+  private show(scene: string, share: number): void {
+    setText(this.text_, `Uploading ${scene}: ${percent(share)}`);
+    this.progress_.value = share;
+    this.card_.hidden = false;
+  }
+
+  private ended(request: XMLHttpRequest): void {
+    this.request_ = null;
+    this.card_.hidden = true;
+    const { status, responseText } = request;
+    if (status === 201) return this.viewer_.openScene(sceneToOpen(nameIn(responseText), this.viewer_.state.readyName));
+    const why = responseText.trim();
+    const text = status === 0 ? 'The upload ended before all was there.' : `The server did not take it: ${why}`;
+    this.viewer_.onMessage({ kind: status === 0 ? 'notice' : 'error', text });
+  }
+}
+
+function authorization(): Readonly<Record<string, string>> {
+  const token = keptToken();
+  return token === null ? {} : { authorization: `Bearer ${token}` };
+}
+
+function nameIn(answer: string): string {
+  const told: unknown = JSON.parse(answer);
+  return isObject(told) ? String(told['scene']) : '';
+}

@@ -1,0 +1,137 @@
+// Own files, dropped on the page of a real server: a model, surroundings, and what is refused. Part of client_test.mjs; run
+// alone: node tests/browser/upload_test.mjs. Writes screenshots to out/browser.
+
+import { mkdtempSync, readdirSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { Browser, Checks, expect, freePort, outFolder, Server, until } from './page.mjs';
+
+const DESKTOP = { width: 1100, height: 700 };
+const MODEL = {
+  'model/red.obj': 'mtllib red.mtl\no triangle\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nusemtl red\nf 1 2 3\n',
+  'model/red.mtl': 'newmtl red\nKd 0.9 0.1 0.1\n',
+};
+
+/** A picture of 2 x 1 pixels in the format of Radiance. */
+const SKY = '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x40\x40\x80\x80';
+
+const state = (page) => page.evaluate(() => window.heliograph.state);
+
+/** Drops files, by name and content, as a person would. */
+const drop = (page, files) =>
+  page.evaluate((list) => {
+    const transfer = new DataTransfer();
+    for (const [path, text] of Object.entries(list)) {
+      const bytes = Uint8Array.from(text, (letter) => letter.charCodeAt(0));
+      transfer.items.add(new File([bytes], path.split('/').pop()));
+    }
+    window.dispatchEvent(new DragEvent('dragover', { dataTransfer: transfer, cancelable: true }));
+    window.dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, cancelable: true }));
+  }, files);
+
+const ready = (page, pattern) =>
+  until(`a scene like ${pattern}`, 60_000, async () => {
+    const { scene, lastFrame, lastInputId } = await state(page);
+    return scene?.state === 'ready' && pattern.test(scene.name) && lastFrame?.inputId === lastInputId;
+  });
+
+async function brings(checks, page, folder, address) {
+  await checks.check('a dropped model is uploaded and shown, with what belongs to it', async () => {
+    await drop(page, MODEL);
+    await ready(page, /^upload\/[0-9a-f]{32}\/red\.obj$/);
+    expect((await page.locator('.picker-label').textContent()) === 'Red.obj', await page.locator('.picker-label').textContent());
+    expect((await page.locator('.toast.error').count()) === 0, await page.locator('.toasts').innerText());
+    expect(readdirSync(folder).length === 1, readdirSync(folder).join());
+    await page.screenshot({ path: join(outFolder, 'own-model.png') });
+  });
+  await checks.check('who has its link sees it, too; nobody else is told of it', async () => {
+    const name = (await state(page)).scene.name;
+    const other = new Browser();
+    try {
+      const there = await other.start(DESKTOP);
+      await there.goto(`${address}#scene=${name}`);
+      await ready(there, /red\.obj$/);
+      await there.locator('.picker').click();
+      const offered = await there.locator('.menu-item').allTextContents();
+      expect(!offered.some((text) => text.includes('Red.obj')), offered.join());
+    } finally {
+      await other.stop();
+    }
+  });
+  await checks.check('a dropped HDR goes around the scene that is shown', async () => {
+    await page.locator('.picker').click();
+    await page.getByRole('menuitemradio', { name: /^Cornell/ }).click();
+    await ready(page, /^cornell$/);
+    await drop(page, { 'sky.hdr': SKY });
+    await ready(page, /^cornell\+upload\/[0-9a-f]{32}\/sky\.hdr$/);
+    const label = await page.locator('.picker-label').textContent();
+    expect(label === 'Cornell with sky.hdr', label);
+  });
+}
+
+async function refuses(checks, page, folder) {
+  const told = async (words) => {
+    await page.locator('.toast.error', { hasText: words }).waitFor({ timeout: 20_000 });
+    await page.locator('.toast.error').getByRole('button', { name: 'Close message' }).first().click();
+  };
+  await checks.check('what is no scene is refused in words, and nothing of it stays', async () => {
+    const before = readdirSync(folder).sort().join();
+    await drop(page, { 'notes.txt': 'hello' });
+    await told('None of these is a scene');
+    await drop(page, { 'model.zip': 'PK' });
+    await told('unpack the zip');
+    await drop(page, { 'broken.glb': 'glTF, it says, and is none' });
+    await told('could not be opened');
+    await until('nothing of it', 5000, () => readdirSync(folder).sort().join() === before);
+  });
+}
+
+/** A server that takes no files says so. */
+async function closedDoor(checks) {
+  const server = new Server(await freePort(), 'cornell');
+  const browser = new Browser();
+  try {
+    await checks.check('a server without a folder for files says so', async () => {
+      await server.start();
+      const page = await browser.start(DESKTOP);
+      await page.goto(`http://127.0.0.1:${server.port}/`);
+      await ready(page, /^cornell$/);
+      await drop(page, MODEL);
+      await page.locator('.toast.error', { hasText: 'takes no files' }).waitFor({ timeout: 10_000 });
+    });
+  } finally {
+    await browser.stop();
+    await server.kill();
+  }
+}
+
+/** Runs everything; failures and passes are counted in `checks`. */
+export async function uploadChecks(checks) {
+  const folder = mkdtempSync(join(tmpdir(), 'heliograph-uploads-'));
+  const server = new Server(await freePort(), 'cornell', undefined, { HELIOGRAPH_UPLOADS: folder });
+  const browser = new Browser();
+  try {
+    if (!(await checks.check('the server starts (uploads)', () => server.start()))) return;
+    const address = `http://127.0.0.1:${server.port}/`;
+    const page = await browser.start(DESKTOP);
+    await page.goto(address);
+    await ready(page, /^cornell$/);
+    await brings(checks, page, folder, address);
+    await refuses(checks, page, folder);
+    await checks.check('nothing was wrong in the browser\u2019s console (uploads)', async () => {
+      expect(browser.problems.length === 0, browser.problems.join('\n'));
+    });
+  } finally {
+    await browser.stop();
+    await server.kill();
+    rmSync(folder, { recursive: true, force: true });
+  }
+  await closedDoor(checks);
+}
+
+if (import.meta.url === pathToFileURL(process.argv[1]).href) {
+  const checks = new Checks();
+  await uploadChecks(checks);
+  checks.finish();
+}
