@@ -55,9 +55,9 @@ void expectDepths(const char* name, uint32_t least) {
             if (!answer.depth) continue;
             EXPECT_NEAR(*answer.depth, expected, 1e-5 * expected) << name << " " << x << " " << y;
             ASSERT_LT(answer.instance, scene->instances.size());
-            const Instance& met = scene->instances[answer.instance];
-            ASSERT_LT(answer.triangle, scene->meshes[met.mesh].triangleCount);
-            EXPECT_NEAR(depthManual(*scene, ray, met, answer.triangle), expected, 1e-5 * expected) << "another triangle";
+            const Instance& hit = scene->instances[answer.instance];
+            ASSERT_LT(answer.triangle, scene->meshes[hit.mesh].triangleCount);
+            EXPECT_NEAR(depthManual(*scene, ray, hit, answer.triangle), expected, 1e-5 * expected) << "another triangle";
             met++;
         }
     }
