@@ -2,6 +2,7 @@
 
 import { BarList } from './bar_list.js';
 import { FrameChart } from './chart.js';
+import { FrameTimeline } from './frame_timeline.js';
 import { deviceColor, kindOf } from '../device_colors.js';
 import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from '../../page/dom.js';
@@ -82,6 +83,7 @@ export class StatsPanel {
   private readonly progress_ = el('progress', { max: 1, value: 0, 'aria-label': 'Samples so far' });
   private readonly error_ = el('span', { class: 'figure' });
   private readonly stages_ = new BarList();
+  private readonly timeline_ = new FrameTimeline();
   private readonly rayList_ = new BarList();
   private readonly devices_ = new BarList();
   private readonly facts_ = el('dl', { class: 'facts' });
@@ -106,6 +108,7 @@ export class StatsPanel {
         line('Relative error', this.error_),
       ),
       section('Time of a frame', this.stages_.element),
+      section('Where the time went, frame by frame', this.timeline_.element),
       section('Rays of the last pass', this.rayList_.element),
       section('Tiles by device', this.devices_.element),
       this.facts_,
@@ -123,6 +126,7 @@ export class StatsPanel {
     this.chart_.draw(this.viewer_.stream.frameIntervals.values);
     this.refreshSamples();
     this.refreshStages();
+    this.timeline_.draw(this.viewer_.stream.trace.frames);
     this.refreshRays(this.viewer_.state.stats?.rays ?? {});
     this.refreshDevices();
     this.refreshFacts();
