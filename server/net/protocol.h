@@ -114,10 +114,9 @@ struct ClientMessage {
     bool exact = false;   // it puts pictures together from parts
 };
 
-using ViewerMessage =
-    std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage, PathMessage,
-                 PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, PickMessage, WatchMessage, DriveMessage,
-                 ClientMessage>;
+using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
+                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, PickMessage,
+                                   WatchMessage, DriveMessage, ClientMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {

@@ -37,7 +37,7 @@ std::shared_ptr<const Scene> open(const std::string& images, const std::string& 
 std::string image(const std::string& uri) { return R"({"uri":")" + uri + R"("})"; }
 
 TEST(GltfPictures, ThoseThatAreMissingOrForbiddenAreTold) {
-    for (const std::string uri :
+    for (const std::string& uri :
          {"gone.png", "/etc/hostname", "../outside.png", "http://example.org/a.png", "file:///etc/hostname", "%2", "a%00.png",
           "", "data:image/png;base64,###", "data:image/png"}) {
         SCOPED_TRACE(uri);
@@ -55,8 +55,8 @@ TEST(GltfPictures, DataMayBeEscapedBrokenIntoLinesOrNamedInCapitals) {
     std::string escaped;
     for (const char c : text) escaped += c == '+' ? "%2B" : c == '/' ? "%2f" : c == '=' ? "%3D" : std::string(1, c);
     const std::string lines = text.substr(0, 40) + "\\r\\n " + text.substr(40);  // as JSON escapes them
-    for (const std::string uri : {head + "charset=utf-8;base64," + text, "DATA" + PNG.substr(4), head + "BASE64," + text,
-                                  head + "base64," + escaped, head + "base64," + lines}) {
+    for (const std::string& uri : {head + "charset=utf-8;base64," + text, "DATA" + PNG.substr(4), head + "BASE64," + text,
+                                   head + "base64," + escaped, head + "base64," + lines}) {
         SCOPED_TRACE(uri);
         const auto scene = open(image(uri), R"({"source":0})");
         ASSERT_EQ(scene->images.size(), 1u);
