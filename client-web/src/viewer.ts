@@ -441,8 +441,8 @@ export class Viewer {
     const frame = parseFrame(buffer, this.state.hello?.devices ?? []);
     this.stream.receivedRate.push(performance.now(), buffer.byteLength);
     if (frame.kind !== 'picture') {
-      // While the scene from before a reconnect is on its way, frames show the server's own: not what was looked at.
-      this.frames_.arrived(frame, this.restoring_.active, performance.now());
+      // While the scene or the view from before a reconnect is on its way, frames show the server's own: not what was looked at.
+      this.frames_.arrived(frame, this.restoring_.active || this.watching.awaits, performance.now());
       return;
     }
     this.state.picturesAwaited = Math.max(0, this.state.picturesAwaited - 1);
