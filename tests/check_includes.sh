@@ -29,7 +29,7 @@ device/remote        base kernel scene request film device pool
 encode               base kernel images
 net/guard            base
 net/listen           base net/guard
-uploads              base
+uploads              base net/guard
 net                  base kernel scene request net/guard net/listen uploads
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render

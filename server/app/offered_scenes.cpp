@@ -111,7 +111,7 @@ std::shared_ptr<const Scene> OfferedScenes::openWith(const std::string& name, co
     try {
         return openScene(upload->string() + look, environment, progress);
     } catch (const InputError& error) {
-        uploads_->forget(name);
+        if (variant.empty()) uploads_->forget(name);  // else the look may be what is not there
         // Paths of the server's disk are nobody's business.
         std::string what = error.what();
         const std::string folder = upload->parent_path().string() + "/";

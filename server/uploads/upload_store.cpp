@@ -1,9 +1,9 @@
 #include "server/uploads/upload_store.h"
 
 #include "server/base/error.h"
+#include "server/net/guard/token.h"
 
 #include <fcntl.h>
-#include <sys/random.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -33,17 +33,6 @@ std::string mebibytes(uint64_t bytes) { return std::to_string((bytes + (1 << 20)
 [[noreturn]] void diskFailed(const std::string& what) { throw std::runtime_error(what + ": " + std::strerror(errno)); }
 
 }  // namespace
-
-std::string uploadId() {
-    unsigned char bytes[ID_DIGITS / 2];
-    if (getrandom(bytes, sizeof bytes, 0) != sizeof bytes) diskFailed("random numbers");
-    std::string id;
-    for (unsigned char byte : bytes) {
-        id += "0123456789abcdef"[byte >> 4];
-        id += "0123456789abcdef"[byte & 15];
-    }
-    return id;
-}
 
 bool isUploadName(std::string_view name) {
     if (!name.starts_with(PREFIX)) return false;
@@ -156,7 +145,7 @@ std::unique_ptr<Upload> UploadStore::begin(uint64_t bytes, Clock::time_point now
     if (underWay_ >= MOST_AT_ONCE)
         throw InputError("upload", std::to_string(underWay_) + " others are under way", "try again in a minute");
     makeRoom(bytes, now);
-    std::unique_ptr<Upload> upload(new Upload(*this, uploadId(), bytes));
+    std::unique_ptr<Upload> upload(new Upload(*this, randomSecret(), bytes));
     underWay_++;
     coming_ += bytes;
     return upload;

@@ -94,9 +94,6 @@ private:
     size_t underWay_ = 0;
 };
 
-/// A random id, 32 hexadecimal digits.
-std::string uploadId();
-
 /// "upload/ID/FILE" is the name of an upload: nothing is said of whether there is one.
 bool isUploadName(std::string_view name);
 

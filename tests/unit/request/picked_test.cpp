@@ -67,7 +67,7 @@ TEST(Picked, IdsThatTheSceneDoesNotHaveLeaveThePlaceAlone) {
     SceneBuilder builder("test");
     builder.addInstance(builder.addMesh(triangle()), mat4(1.0f), "only");
     const auto scene = builder.finish();
-    for (const auto [instance, t] : {std::pair(1u, 0u), std::pair(0u, 1u), std::pair(NO_INDEX, NO_INDEX)}) {
+    for (const auto& [instance, t] : {std::pair(1u, 0u), std::pair(0u, 1u), std::pair(NO_INDEX, NO_INDEX)}) {
         const Picked picked = pickedAt(*scene, fromFront(0, 3.0), 3.0, instance, t);
         EXPECT_EQ(picked.object + picked.material, "");
         EXPECT_EQ(picked.normal, glm::dvec3(0.0));

@@ -123,7 +123,6 @@ TEST(UploadStore, NamesOfOthersAreNoFiles) {
          {"courtyard", "upload/", "upload/../../etc/passwd", "upload/0123456789abcdef0123456789ABCDEF/a.glb"})
         EXPECT_EQ(store.fileOf(name), std::nullopt) << name;
     EXPECT_THROW(store.fileOf("upload/" + std::string(32, 'a') + "/a.glb"), InputError);
-    EXPECT_NE(uploadId(), uploadId());
 }
 
 TEST(UploadStore, NothingStaysWhenTheServerEndsOrBegins) {
