@@ -37,7 +37,7 @@ std::shared_ptr<const Scene> open(const std::string& images, const std::string& 
 std::string image(const std::string& uri) { return R"({"uri":")" + uri + R"("})"; }
 
 TEST(GltfPictures, ThoseThatAreMissingOrForbiddenAreTold) {
-    for (const std::string& uri :
+    for (const std::string uri :
          {"gone.png", "/etc/hostname", "../outside.png", "http://example.org/a.png", "file:///etc/hostname", "%2", "a%00.png",
           "", "data:image/png;base64,###", "data:image/png"}) {
         SCOPED_TRACE(uri);
