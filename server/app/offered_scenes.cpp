@@ -25,7 +25,10 @@ UploadLimits limitsOf(const ServeOptions& options) {
     if (options.uploadMib > options.uploadQuotaMib)
         throw InputError("--upload-size", std::to_string(options.uploadMib) + " MiB",
                          "at most --upload-quota, " + std::to_string(options.uploadQuotaMib) + " MiB");
-    return {options.uploadMib << 20, options.uploadQuotaMib << 20, options.uploadFiles, options.uploadSeconds};
+    UploadLimits limits{options.uploadMib << 20, options.uploadQuotaMib << 20, options.uploadFiles, options.uploadSeconds};
+    limits.perAddress = options.uploadsPerAddress;
+    limits.rate = options.uploadRateKib << 10;
+    return limits;
 }
 
 /// Where the surroundings begin in SCENE+upload/ID/FILE.

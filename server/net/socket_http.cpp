@@ -96,6 +96,7 @@ int SocketLoop::http(lws* wsi, lws_callback_reasons reason, std::string_view in)
     switch (reason) {
         case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
             takeReload();
+            turnUploads();
             handler_.turned();
             return 0;
         case LWS_CALLBACK_HTTP: return request(wsi, in);
@@ -194,7 +195,7 @@ int SocketLoop::answer(lws* wsi, unsigned status, const std::string& mimeType, A
 
 int SocketLoop::writeAnswer(lws* wsi) {
     auto found = answers_.find(wsi);
-    if (found == answers_.end()) return 0;
+    if (found == answers_.end()) return answerUpload(wsi);
     Answer& content = found->second;
     unsigned char buffer[LWS_PRE + HTTP_PIECE];
     size_t count = std::min(HTTP_PIECE, content.bytes.size() - content.offset);

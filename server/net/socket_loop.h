@@ -11,6 +11,8 @@
 #include "server/net/guard/wire_ledger.h"
 #include "server/net/guard/write_watch.h"
 #include "server/net/listen/listener.h"
+#include "server/uploads/upload_pace.h"
+#include "server/uploads/upload_writer.h"
 
 #include <libwebsockets.h>
 #include <openssl/ssl.h>
@@ -108,10 +110,13 @@ private:
     };
     /// Files that come in the body of a request.
     struct Incoming {
-        std::unique_ptr<Upload> upload;  // null: refused; what comes is dropped
+        std::unique_ptr<UploadWriter::Line> line;  // null: refused; what comes is dropped
         Clock::time_point since;
-        unsigned status = 0;  // that it is refused with, once all has come
-        std::string why;
+        UploadPace pace;
+        uint64_t came = 0;
+        bool paused = false;  // nothing is read until the writer has room again
+        bool all = false;     // has come, or no more is waited for: the answer follows
+        UploadEnd refusal = {0, {}};
     };
     struct Viewer {
         std::shared_ptr<Connection> connection;
@@ -140,6 +145,8 @@ private:
     int beginUpload(lws* wsi);
     int takeUpload(lws* wsi, std::string_view piece);
     int endUpload(lws* wsi);
+    int answerUpload(lws* wsi);
+    void turnUploads();
     void sweepUploads();
     std::string addressOf(lws* wsi) const;
     std::string guardedAddress(lws* wsi) const;
@@ -198,8 +205,9 @@ private:
     std::optional<SocketAccess> reload_;  // not taken yet
     std::shared_ptr<Waker> waker_ = std::make_shared<Waker>();
     std::map<lws*, Answer> answers_;
-    std::map<lws*, Incoming> incoming_;
-    std::map<lws*, Viewer> viewers_;  // guests among them
+    std::optional<UploadWriter> writer_;  // where files are taken
+    std::map<lws*, Incoming> incoming_;   // ends before the writer
+    std::map<lws*, Viewer> viewers_;      // guests among them
     std::map<lws*, Link> links_;
     size_t room_ = 0;                                // connections that descriptors suffice for
     std::optional<Clock::time_point> listensAgain_;  // nothing is accepted until then

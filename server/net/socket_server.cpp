@@ -60,6 +60,7 @@ SocketLoop::SocketLoop(SocketOptions options, SocketHandler& handler)
     createContext();
     openDoors();
     waker_->context = context_;
+    if (options_.uploads) writer_.emplace([waker = waker_] { (*waker)(); });
 }
 
 void SocketLoop::createContext() {

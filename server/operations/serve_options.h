@@ -27,6 +27,7 @@ struct ServeOptions {
     std::string scenes;   // folder of scene files that are offered, or empty
     std::string uploads;  // folder for the files that viewers bring, or empty: they bring none
     uint64_t uploadMib = 256, uploadQuotaMib = 1024, uploadFiles = 1000, uploadSeconds = 600;
+    uint64_t uploadsPerAddress = 2, uploadRateKib = 8;
     std::vector<std::string> origins;
     uint64_t maxViewers = MAX_VIEWERS;
     uint64_t maxGuests = MAX_GUESTS;

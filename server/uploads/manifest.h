@@ -13,6 +13,9 @@ struct UploadLimits {
     uint64_t quota = 1024ull << 20;  // bytes of all that lie there
     size_t files = 1000;             // of one upload
     uint64_t seconds = 600;          // that one may take
+    size_t perAddress = 2;           // of MOST_AT_ONCE; at one time
+    uint64_t rate = 8 << 10;         // bytes a second that have to come, over each `window`
+    double window = 20.0;            // seconds
 };
 
 constexpr size_t MANIFEST_BYTES = 512 * 1024;

@@ -40,11 +40,12 @@ bool isUploadName(std::string_view name) {
     return isId(name.substr(0, ID_DIGITS)) && name.size() > ID_DIGITS && name[ID_DIGITS] == '/';
 }
 
-Upload::Upload(UploadStore& store, std::string id, uint64_t bytes) : store_(store), id_(std::move(id)), bytes_(bytes) {}
+Upload::Upload(UploadStore& store, std::string id, uint64_t bytes, std::string address)
+    : store_(store), id_(std::move(id)), bytes_(bytes), address_(std::move(address)) {}
 
 Upload::~Upload() {
     close();
-    if (!finished_) store_.drop(id_, bytes_);
+    if (!finished_) store_.drop(*this);
 }
 
 void Upload::take(std::string_view piece) {
@@ -74,6 +75,7 @@ void Upload::begin(std::string_view manifest) {
     if (manifest_->bytes() + head_.size() != bytes_)
         throw InputError("upload", "files of " + std::to_string(manifest_->bytes()) + " bytes",
                          "as many as the Content-Length says");
+    store_.removeCondemned();
     if (!fs::create_directory(store_.folderOf(id_))) throw std::runtime_error("there is such an upload already");
     fs::permissions(store_.folderOf(id_), fs::perms::owner_all);
     openNext();
@@ -116,7 +118,7 @@ void Upload::close() {
 std::string Upload::finish() {
     if (!manifest_ || file_ >= 0 || next_ < manifest_->files.size() || came_ != bytes_)
         throw InputError("upload", std::to_string(came_) + " of " + std::to_string(bytes_) + " bytes", "all of them");
-    store_.keep(id_, manifest_->scene, bytes_);
+    store_.keep(*this, manifest_->scene);
     finished_ = true;
     std::string name = fs::path(manifest_->scene).filename().string();
     return std::string(PREFIX) + id_ + "/" + name;
@@ -136,17 +138,23 @@ UploadStore::UploadStore(fs::path folder, UploadLimits limits) : folder_(std::mo
 UploadStore::~UploadStore() {
     std::error_code error;
     for (const auto& [id, upload] : kept_) fs::remove_all(folderOf(id), error);
+    removeCondemned();
 }
 
-std::unique_ptr<Upload> UploadStore::begin(uint64_t bytes, Clock::time_point now) {
+std::unique_ptr<Upload> UploadStore::begin(uint64_t bytes, Clock::time_point now, const std::string& address) {
     if (bytes > limits_.bytes + MANIFEST_BYTES)
         throw InputError("upload", mebibytes(bytes), "at most " + mebibytes(limits_.bytes));
     std::lock_guard lock(mutex_);
     if (underWay_ >= MOST_AT_ONCE)
         throw InputError("upload", std::to_string(underWay_) + " others are under way", "try again in a minute");
+    const auto same = ofAddress_.find(address);
+    if (same != ofAddress_.end() && same->second >= limits_.perAddress)
+        throw InputError("upload", std::to_string(same->second) + " others of this address are under way",
+                         "at most " + std::to_string(limits_.perAddress) + "; try again when one is through");
     makeRoom(bytes, now);
-    std::unique_ptr<Upload> upload(new Upload(*this, randomSecret(), bytes));
+    std::unique_ptr<Upload> upload(new Upload(*this, randomSecret(), bytes, address));
     underWay_++;
+    if (!address.empty()) ofAddress_[address]++;
     coming_ += bytes;
     return upload;
 }
@@ -157,10 +165,19 @@ void UploadStore::makeRoom(uint64_t bytes, Clock::time_point now) {
         const auto oldest = std::ranges::min_element(kept_, {}, [](const auto& entry) { return entry.second.used; });
         if (oldest == kept_.end() || now - oldest->second.used < IDLE_BEFORE_ROOM)
             throw InputError("upload", "the server's room for uploads is full", "try again later, or a smaller one");
-        std::error_code error;
-        fs::remove_all(folderOf(oldest->first), error);
+        condemned_.push_back(oldest->first);
         kept_.erase(oldest);
     }
+}
+
+void UploadStore::removeCondemned() {
+    std::vector<std::string> ids;
+    {
+        std::lock_guard lock(mutex_);
+        ids.swap(condemned_);
+    }
+    std::error_code error;
+    for (const std::string& id : ids) fs::remove_all(folderOf(id), error);
 }
 
 std::optional<fs::path> UploadStore::fileOf(const std::string& name, Clock::time_point now) {
@@ -176,8 +193,10 @@ std::optional<fs::path> UploadStore::fileOf(const std::string& name, Clock::time
 void UploadStore::forget(const std::string& name) {
     if (!isUploadName(name)) return;
     const std::string id = name.substr(PREFIX.size(), ID_DIGITS);
-    std::lock_guard lock(mutex_);
-    if (kept_.erase(id) == 0) return;
+    {
+        std::lock_guard lock(mutex_);
+        if (kept_.erase(id) == 0) return;
+    }
     std::error_code error;
     fs::remove_all(folderOf(id), error);
 }
@@ -194,19 +213,25 @@ uint64_t UploadStore::heldBytes() const {
     return held;
 }
 
-void UploadStore::keep(const std::string& id, std::string scene, uint64_t bytes) {
+void UploadStore::keep(const Upload& upload, std::string scene) {
     std::lock_guard lock(mutex_);
-    kept_[id] = {std::move(scene), bytes, Clock::now()};
-    coming_ -= bytes;
-    underWay_--;
+    kept_[upload.id_] = {std::move(scene), upload.bytes_, Clock::now()};
+    ended(upload);
 }
 
-void UploadStore::drop(const std::string& id, uint64_t bytes) {
+void UploadStore::drop(const Upload& upload) {
     std::error_code error;
-    fs::remove_all(folderOf(id), error);
+    fs::remove_all(folderOf(upload.id_), error);
     std::lock_guard lock(mutex_);
-    coming_ -= bytes;
+    ended(upload);
+}
+
+/// With the lock held.
+void UploadStore::ended(const Upload& upload) {
+    coming_ -= upload.bytes_;
     underWay_--;
+    const auto same = ofAddress_.find(upload.address_);
+    if (same != ofAddress_.end() && --same->second == 0) ofAddress_.erase(same);
 }
 
 }  // namespace heliograph

@@ -30,7 +30,7 @@ public:
 private:
     friend class UploadStore;
     struct Output;
-    Upload(UploadStore& store, std::string id, uint64_t bytes);
+    Upload(UploadStore& store, std::string id, uint64_t bytes, std::string address);
     void begin(std::string_view manifest);
     void write(std::string_view& piece);
     void openNext();
@@ -39,6 +39,7 @@ private:
     UploadStore& store_;
     const std::string id_;
     const uint64_t bytes_;  // that were promised, and are held of the quota
+    const std::string address_;
     uint64_t came_ = 0;
     std::string head_;  // length and manifest, until the manifest is there
     std::optional<UploadManifest> manifest_;
@@ -60,9 +61,10 @@ public:
     ~UploadStore();
 
     const UploadLimits& limits() const { return limits_; }
-    /// `bytes`: of the whole stream. Where the quota does not suffice the oldest uploads that nobody has opened for an hour go.
-    /// Throws InputError for too many bytes, a full quota, or with MOST_AT_ONCE under way.
-    std::unique_ptr<Upload> begin(uint64_t bytes, Clock::time_point now = Clock::now());
+    /// `bytes`: of the whole stream. Where the quota does not suffice the oldest uploads that nobody has opened for an hour go;
+    /// the next upload that is written removes their files. `address`: where it comes from; empty ones are not counted. Throws
+    /// InputError for too many bytes, a full quota, with MOST_AT_ONCE under way, or limits().perAddress of this address.
+    std::unique_ptr<Upload> begin(uint64_t bytes, Clock::time_point now = Clock::now(), const std::string& address = {});
     /// The file that the name of an upload means; nothing for a name that is none. Throws InputError where it has gone.
     std::optional<std::filesystem::path> fileOf(const std::string& name, Clock::time_point now = Clock::now());
     /// Removes what turned out to be no scene.
@@ -81,8 +83,10 @@ private:
     };
 
     std::filesystem::path folderOf(const std::string& id) const { return folder_ / id; }
-    void keep(const std::string& id, std::string scene, uint64_t bytes);
-    void drop(const std::string& id, uint64_t bytes);
+    void keep(const Upload& upload, std::string scene);
+    void drop(const Upload& upload);
+    void ended(const Upload& upload);
+    void removeCondemned();
     void makeRoom(uint64_t bytes, Clock::time_point now);
     uint64_t heldBytes() const;
 
@@ -92,6 +96,8 @@ private:
     std::map<std::string, Kept> kept_;  // by id
     uint64_t coming_ = 0;               // bytes promised
     size_t underWay_ = 0;
+    std::map<std::string, size_t> ofAddress_;  // under way
+    std::vector<std::string> condemned_;       // whose files are to go
 };
 
 /// "upload/ID/FILE" is the name of an upload: nothing is said of whether there is one.

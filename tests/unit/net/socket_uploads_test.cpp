@@ -6,6 +6,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <memory>
+#include <sstream>
 #include <thread>
 
 namespace heliograph {
@@ -118,7 +121,50 @@ TEST(SocketUploads, WhoBreaksOffOrTakesTooLongLeavesNothing) {
     EXPECT_TRUE(door.untilEmpty());
     WebClient slow(door.server->port());
     slow.send(Door::head(GOOD.size()) + GOOD.substr(0, 200'000));
-    EXPECT_TRUE(slow.untilClosed());
+    const HttpAnswer answer = slow.readAnswer();
+    EXPECT_EQ(answer.status, 408);
+    EXPECT_THAT(answer.body, HasSubstr("at most 1 s"));
+    EXPECT_TRUE(door.untilEmpty());
+}
+
+TEST(SocketUploads, ALargeOneComesWholeAlthoughLittleOfItWaits) {
+    Door door;
+    std::string bytes(12 << 20, '\0');
+    for (size_t i = 0; i < bytes.size(); i++) bytes[i] = static_cast<char>(i * 2654435761u >> 24);
+    const std::string stream = uploadStream({{"a.glb", bytes}}, "a.glb");
+    const HttpAnswer answer = door.post(stream);
+    ASSERT_EQ(answer.status, 201) << answer.body;
+    const auto file = door.store->fileOf(nlohmann::json::parse(answer.body)["scene"]);
+    std::ostringstream text;
+    text << std::ifstream(*file, std::ios::binary).rdbuf();
+    EXPECT_TRUE(text.str() == bytes);
+}
+
+TEST(SocketUploads, OneAddressDoesNotHoldThePlacesOfAll) {
+    Door door;
+    std::vector<std::unique_ptr<WebClient>> slow;
+    for (int i = 0; i < 2; i++) {
+        slow.push_back(std::make_unique<WebClient>(door.server->port()));
+        slow.back()->send(Door::head(GOOD.size()) + GOOD.substr(0, 200'000));
+    }
+    while (door.store->freeBytes() > door.store->limits().quota - 2 * GOOD.size()) std::this_thread::sleep_for(10ms);
+    const HttpAnswer third = door.post(GOOD);
+    EXPECT_EQ(third.status, 507);
+    EXPECT_THAT(third.body, HasSubstr("of this address"));
+    WebClient other(door.server->port(), "127.0.0.2");
+    other.send(Door::head(GOOD.size()) + GOOD);
+    EXPECT_EQ(other.readAnswer().status, 201);
+}
+
+TEST(SocketUploads, WhoDripsLosesThePlace) {
+    UploadLimits limits;
+    limits.window = 0.5;
+    Door door(limits);
+    WebClient client(door.server->port());
+    client.send(Door::head(GOOD.size()) + GOOD.substr(0, 200'000));
+    const HttpAnswer answer = client.readAnswer();
+    EXPECT_EQ(answer.status, 408);
+    EXPECT_THAT(answer.body, HasSubstr("8 KiB a second or more"));
     EXPECT_TRUE(door.untilEmpty());
 }
 

@@ -116,6 +116,21 @@ TEST(UploadStore, PromisedBytesAreHeldOfTheQuotaAndFewComeAtOnce) {
     EXPECT_THROW(store.begin(limits.bytes + MANIFEST_BYTES + 1), InputError);
 }
 
+TEST(UploadStore, OneAddressHoldsAFewOfThePlaces) {
+    UploadFolder folder;
+    UploadStore store(folder.path, {});
+    const auto now = UploadStore::Clock::now();
+    auto a = store.begin(10, now, "192.0.2.1");
+    const auto b = store.begin(10, now, "192.0.2.1");
+    EXPECT_THROW(store.begin(10, now, "192.0.2.1"), InputError);
+    const auto other = store.begin(10, now, "192.0.2.2");
+    a.reset();
+    EXPECT_NO_THROW(a = store.begin(10, now, "192.0.2.1"));
+    const auto nobody = store.begin(10, now);
+    a.reset();
+    EXPECT_NO_THROW(store.begin(10, now)) << "without an address nothing is counted";
+}
+
 TEST(UploadStore, NamesOfOthersAreNoFiles) {
     UploadFolder folder;
     UploadStore store(folder.path, {});
