@@ -35,10 +35,11 @@ pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
 pace                 base
 loop                 base kernel scene request film device schedule render pace
-stream               base kernel scene scene/load request film device schedule render pace loop encode net net/guard
-operations           base kernel scene request film net net/guard net/listen stream
-service              base kernel scene scene/load request film device schedule render loop encode net net/guard stream operations
-app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool lab stream operations service uploads
+viewer               base kernel scene scene/load request film device schedule render pace loop encode net net/guard
+stream               base kernel scene scene/load request film device schedule render pace loop net net/guard viewer
+operations           base kernel scene request film net net/guard net/listen viewer
+service              base kernel scene scene/load request film device schedule render loop encode net net/guard viewer stream operations
+app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool lab viewer stream operations service uploads
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...

@@ -3,7 +3,7 @@
 // carry base units; no label names a viewer, so the number of series stays fixed. docs/reference/metrics.md lists them.
 
 #include "server/net/viewer_socket.h"
-#include "server/stream/metrics.h"
+#include "server/viewer/metrics.h"
 
 #include <prometheus/metric_family.h>
 

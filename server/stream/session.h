@@ -2,7 +2,7 @@
 // One browser: its token, what it says, and which view it looks at. Messages are read and checked here; those that are about the
 // view go to the view, those about the viewer are answered here. A fault of a viewer is answered to that viewer alone.
 
-#include "server/stream/messages.h"
+#include "server/viewer/messages.h"
 #include "server/stream/views.h"
 
 namespace heliograph {

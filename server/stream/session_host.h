@@ -3,7 +3,7 @@
 
 #include "server/loop/finished_frame.h"
 #include "server/scene/load/scene_source.h"
-#include "server/stream/metrics.h"
+#include "server/viewer/metrics.h"
 
 #include <exception>
 #include <functional>

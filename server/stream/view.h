@@ -10,7 +10,7 @@
 #include "server/pace/admission.h"
 #include "server/stream/audience.h"
 #include "server/stream/session_host.h"
-#include "server/stream/viewer.h"
+#include "server/viewer/viewer.h"
 
 namespace heliograph {
 

@@ -1,7 +1,7 @@
-#include "server/stream/viewer.h"
+#include "server/viewer/viewer.h"
 
 #include "server/base/log.h"
-#include "server/stream/messages.h"
+#include "server/viewer/messages.h"
 
 #include <algorithm>
 

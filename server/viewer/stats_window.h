@@ -1,8 +1,8 @@
 #pragma once
 // Gathers the figures of frames and makes the `stats` message of them.
 
-#include "server/stream/messages.h"
-#include "server/stream/picture_maker.h"
+#include "server/viewer/messages.h"
+#include "server/viewer/picture_maker.h"
 
 namespace heliograph {
 

@@ -6,9 +6,9 @@
 #include "server/net/viewer_socket.h"
 #include "server/pace/line_meter.h"
 #include "server/pace/quality_ladder.h"
-#include "server/stream/encode_thread.h"
-#include "server/stream/metrics.h"
-#include "server/stream/stats_window.h"
+#include "server/viewer/encode_thread.h"
+#include "server/viewer/metrics.h"
+#include "server/viewer/stats_window.h"
 
 namespace heliograph {
 

@@ -1,4 +1,4 @@
-#include "server/stream/encode_thread.h"
+#include "server/viewer/encode_thread.h"
 
 #include "server/base/background.h"
 #include "server/base/log.h"

@@ -1,4 +1,4 @@
-#include "server/stream/picture_maker.h"
+#include "server/viewer/picture_maker.h"
 
 #include "server/base/clock.h"
 #include "server/encode/exr_encoder.h"

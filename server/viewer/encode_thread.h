@@ -4,7 +4,7 @@
 
 #include "server/base/mailbox.h"
 #include "server/base/stage_clock.h"
-#include "server/stream/picture_maker.h"
+#include "server/viewer/picture_maker.h"
 
 #include <atomic>
 #include <functional>

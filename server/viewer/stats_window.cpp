@@ -1,4 +1,4 @@
-#include "server/stream/stats_window.h"
+#include "server/viewer/stats_window.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "server/stream/messages.h"
+#include "server/viewer/messages.h"
 
 #include "server/pace/bottleneck.h"
 #include "server/pace/quality_ladder.h"

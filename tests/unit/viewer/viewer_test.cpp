@@ -1,4 +1,4 @@
-#include "server/stream/viewer.h"
+#include "server/viewer/viewer.h"
 
 #include "server/base/error.h"
 #include "server/images/picture_reader.h"

@@ -1,4 +1,4 @@
-#include "server/stream/metrics.h"
+#include "server/viewer/metrics.h"
 
 #include <algorithm>
 
