@@ -49,6 +49,7 @@ vulkan/          device/vulkan/core device/vulkan/tree device/vulkan/trace devic
 libwebsockets    net
 nats             pool
 turbojpeg.h      images encode
+vpx/             encode
 jpeglib.h        encode
 png.h            images encode
 webp/            images

@@ -14,8 +14,11 @@ export interface FrameHooks {
    * `presentedMs`: motion to photon; null where it shows no new input or was not shown. `shownMs`: from its arrival until
    * it was shown or dropped.
    */
-  acknowledge(frameId: number, presentedMs: number | null, shownMs: number | null): void;
+  acknowledge(frameId: number, presentedMs: number | null, shownMs: number | null, undecodable: boolean): void;
+  /** Of a video those that build on it are not decodable either, and the server begins it anew; told of others alone. */
   undecodable(frame: Frame): void;
+  /** A picture of a video is not shown: those that build on it cannot be. */
+  skipped(): void;
 }
 
 export class Frames {
@@ -30,8 +33,10 @@ export class Frames {
   /** `hidden`: the frame shows another scene than the one that is looked at. `time`: of its arrival, ms. */
   arrived(frame: Frame, hidden: boolean, time: number): void {
     this.arrivals_.set(frame.frameId, time);
-    if (hidden) this.dropped(frame, 'newer', time);
-    else this.hooks_.show(frame);
+    if (!hidden) return this.hooks_.show(frame);
+    const video = frame.codec === 'vp9';
+    if (video) this.hooks_.skipped();
+    this.dropped(frame, video ? 'undecodable' : 'newer', time);
   }
 
   presented({ frame, decodeMs, time }: Presentation): void {
@@ -44,8 +49,8 @@ export class Frames {
 
   dropped(frame: Frame, reason: 'newer' | 'undecodable', time: number): void {
     this.state_.framesDropped += 1;
-    this.acknowledge(frame.frameId, null, time);
-    if (reason === 'undecodable') this.hooks_.undecodable(frame);
+    this.acknowledge(frame.frameId, null, time, reason === 'undecodable');
+    if (reason === 'undecodable' && frame.codec !== 'vp9') this.hooks_.undecodable(frame);
   }
 
   /** A part of a picture was taken; the last one is told by what becomes of the picture. */
@@ -58,10 +63,10 @@ export class Frames {
     this.arrivals_.clear();
   }
 
-  private acknowledge(frameId: number, presentedMs: number | null, time: number): void {
+  private acknowledge(frameId: number, presentedMs: number | null, time: number, undecodable = false): void {
     const arrival = this.arrivals_.get(frameId);
     this.arrivals_.delete(frameId);
     const shownMs = arrival === undefined ? null : Math.min(Math.max(0, time - arrival), LONGEST_PRESENTED_MS);
-    this.hooks_.acknowledge(frameId, presentedMs, shownMs);
+    this.hooks_.acknowledge(frameId, presentedMs, shownMs, undecodable);
   }
 }

@@ -28,7 +28,7 @@ import { ViewShelf } from './views/view_shelf.js';
 import { copyText, ViewLink } from './page/view_link.js';
 import './page/access.css'; // after what it says otherwise
 
-const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg' } as const;
+const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg', vp9: 'vp9' } as const;
 
 function download(file: Blob, name: string): void {
   const url = URL.createObjectURL(file);

@@ -31,6 +31,7 @@ import { initialState, type Message, type Topic, type ViewerState } from './view
 import type { PictureFormat, ViewerMessage } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
 import { Seat } from './seat.js';
+import { videoFault, VideoSupport } from './picture/video_support.js';
 import { viewOf, type Watching } from './watching.js';
 import { Connection, socketUrl, type ConnectionState } from './wire/socket.js';
 import { keepToken, takeToken, tokenOf } from './wire/token.js';
@@ -63,6 +64,10 @@ export class Viewer {
   private readonly display_: Display;
   private readonly frames_: Frames;
   private readonly restoring_ = new Restoring();
+  private readonly video_ = new VideoSupport(
+    { changed: () => this.tellClient(), notice: (text) => this.onMessage({ kind: 'notice', text }) },
+    videoFault(window.VideoDecoder, window.isSecureContext),
+  );
   private restTimer_ = 0;
   private resizeTimer_ = 0;
   private placed_ = false; // the camera is where the coming scene is to be seen from
@@ -75,8 +80,9 @@ export class Viewer {
     this.state = initialState(resolutionMode);
     this.frames_ = new Frames(this.state, this.stream, {
       show: (frame) => this.display_.push(frame),
-      acknowledge: (frameId, presentedMs, shownMs) =>
-        this.connection_.send({ type: 'ack', frameId, presentedMs, shownMs }),
+      skipped: () => this.display_.skipped(),
+      acknowledge: (frameId, presentedMs, shownMs, undecodable) =>
+        this.connection_.send({ type: 'ack', frameId, presentedMs, shownMs, undecodable }),
       undecodable: ({ frameId, codec }) =>
         this.onMessage({ kind: 'error', text: `Frame ${frameId} could not be decoded (${codec}).` }),
     });
@@ -88,6 +94,7 @@ export class Viewer {
       },
       dropped: (frame, reason) => this.frames_.dropped(frame, reason, performance.now()),
       partTaken: (frame) => this.frames_.partTaken(frame, performance.now()),
+      videoFailed: (reason) => this.video_.failed(reason),
     });
     const hooks = {
       state: (state: ConnectionState) => this.connectionChanged(state),
@@ -284,6 +291,7 @@ export class Viewer {
         return this.seat.holdBack(message) ? undefined : this.scene(message);
       case 'settings':
         this.settings.echo(message.values, message.inputId);
+        this.video_.asked(message.values['codec']);
         this.partition.settingsChanged();
         return this.emit('settings');
       case 'effectCosts':
@@ -344,7 +352,7 @@ export class Viewer {
 
   /** A page that nobody sees is sent nothing. */
   private tellClient(): void {
-    this.connection_.send({ type: 'client', visible: !document.hidden, exact: true });
+    this.connection_.send({ type: 'client', visible: !document.hidden, exact: true, vp9: this.video_.works });
   }
 
   private makeSeat(): Seat {

@@ -11,13 +11,18 @@ const frame = (frameId: number, inputId = 0): Frame => ({ frameId, inputId, code
 function frames() {
   const state = { lastFrame: null as Frame | null, framesPresented: 0, framesDropped: 0 };
   const meter = new StreamMeter();
-  const [shown, acked, broken]: [number[], string[], number[]] = [[], [], []];
+  const [shown, acked, broken, lost]: [number[], string[], number[], number[]] = [[], [], [], []];
+  let skipped = 0;
   const flow = new Frames(state, meter, {
     show: ({ frameId }) => shown.push(frameId),
-    acknowledge: (frameId, presentedMs, shownMs) => acked.push(`${frameId} ${presentedMs} ${shownMs}`),
+    skipped: () => (skipped += 1),
+    acknowledge: (frameId, presentedMs, shownMs, undecodable) => {
+      acked.push(`${frameId} ${presentedMs} ${shownMs}`);
+      if (undecodable) lost.push(frameId);
+    },
     undecodable: ({ frameId }) => broken.push(frameId),
   });
-  return { state, meter, flow, shown, acked, broken };
+  return { state, meter, flow, shown, acked, broken, lost, skipped: () => skipped };
 }
 
 test('Frames: a frame is acknowledged when it was presented, not when it came', () => {
@@ -52,6 +57,17 @@ test('Frames: a frame of another scene than the one looked at is acknowledged an
   const { state, flow, shown, acked } = frames();
   flow.arrived(frame(7), true, 3);
   assert.deepEqual([shown, acked, state.framesDropped], [[], ['7 null 0'], 1]);
+});
+
+test('Frames: a picture of a video that is lost is told to the server, not to people', () => {
+  const { flow, broken, lost, skipped } = frames();
+  const picture = (frameId: number): Frame => ({ ...frame(frameId), codec: 'vp9' });
+  flow.dropped(picture(1), 'newer', 1);
+  assert.deepEqual([lost, skipped()], [[], 0]);
+  flow.arrived(picture(2), true, 2);
+  assert.deepEqual([lost, skipped()], [[2], 1], 'a hidden one is not decoded: those that build on it cannot be');
+  flow.dropped(picture(3), 'undecodable', 3);
+  assert.deepEqual([lost, broken], [[2, 3], []]);
 });
 
 const word = (name: string): SceneMessage => ({ type: 'scene', name, state: 'ready', what: '', share: 1, ready: null });

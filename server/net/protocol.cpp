@@ -129,6 +129,7 @@ void read(const Fields& fields, AckMessage& message) {
     message.frameId = fields.uint("frameId");
     message.presentedMs = milliseconds(fields, "presentedMs");
     message.shownMs = milliseconds(fields, "shownMs");
+    if (!fields.isNull("undecodable")) message.undecodable = fields.boolean("undecodable");
 }
 
 void read(const Fields& fields, PictureMessage& message) {
@@ -175,6 +176,7 @@ void read(const Fields& fields, DriveMessage& message) {
 void read(const Fields& fields, ClientMessage& message) {
     if (!fields.isNull("visible")) message.visible = fields.boolean("visible");
     if (!fields.isNull("exact")) message.exact = fields.boolean("exact");
+    if (!fields.isNull("vp9")) message.vp9 = fields.boolean("vp9");
 }
 
 /// The alternatives of ViewerMessage by their TYPE.

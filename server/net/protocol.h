@@ -62,6 +62,7 @@ struct AckMessage {
     uint32_t frameId = 0;
     std::optional<double> presentedMs;
     std::optional<double> shownMs = {};  // from its arrival until it was seen
+    bool undecodable = false;            // a picture of a video: those that build on it are of no use either
 };
 struct PictureMessage {
     static constexpr const char* TYPE = "picture";
@@ -112,6 +113,7 @@ struct ClientMessage {
     static constexpr const char* TYPE = "client";
     bool visible = true;  // somebody can see its pictures
     bool exact = false;   // it puts pictures together from parts
+    bool vp9 = false;     // it decodes this video
 };
 
 using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
@@ -136,17 +138,18 @@ private:
 ViewerMessage parseViewerMessage(std::string_view text);
 
 enum class FrameKind : uint8_t { frame = 1, picture = 2, part = 3 };
-enum class FrameCodec : uint8_t { jpeg = 0, png = 1, exr = 2 };
+enum class FrameCodec : uint8_t { jpeg = 0, png = 1, exr = 2, vp9 = 3 };
 constexpr uint8_t FRAME_MOVING = 1;
 constexpr uint8_t FRAME_FINAL = 2;
 constexpr uint8_t FRAME_PATH = 4;
+constexpr uint8_t FRAME_KEY = 8;  // of a video: needs none before it
 
 /// What goes before the bytes of a picture. Times in microseconds.
 struct FrameHeader {
     FrameKind kind = FrameKind::frame;
     FrameCodec codec = FrameCodec::jpeg;
     uint8_t flags = 0;    // FRAME_*
-    uint8_t quality = 0;  // of the JPEG
+    uint8_t quality = 0;  // of the JPEG, or of a video that looks as good
     uint32_t frameId = 0;
     uint32_t inputId = 0;
     uint32_t generation = 0;

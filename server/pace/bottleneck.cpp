@@ -16,7 +16,8 @@ Bottleneck bottleneckOf(const PaceFigures& figures) {
     constexpr double LONG = 0.06;  // seconds
     if (figures.level > 0 || figures.lineDelay + figures.viewerDelay > LONG)
         return figures.lineDelay >= figures.viewerDelay ? Bottleneck::line : Bottleneck::viewer;
-    return figures.lowered ? Bottleneck::server : Bottleneck::none;
+    if (figures.lowered) return Bottleneck::server;
+    return figures.video ? Bottleneck::line : Bottleneck::none;
 }
 
 }  // namespace heliograph

@@ -35,10 +35,11 @@ double finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
 /// What pictures are made smaller or worse for, and by how much.
 json paceJson(const LineFigures& line, const ScaleFigures& scale) {
-    const PaceFigures figures{scale.step > 0, line.level, line.lineDelay, line.viewerDelay};
+    const PaceFigures figures{scale.step > 0, line.level, line.lineDelay, line.viewerDelay, line.forLine};
     return {{"limit", wordOf(bottleneckOf(figures))},
             {"scale", scaleOf(scale.step + scaleStepsAt(line.level))},
             {"quality", line.quality},
+            {"codec", line.video ? "vp9" : "jpeg"},
             {"fullMs", 1e3 * finite(scale.fullSeconds)},
             {"roundTripMs", 1e3 * finite(line.roundTrip)},
             {"lineMs", 1e3 * finite(line.lineDelay)},

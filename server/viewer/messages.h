@@ -27,6 +27,8 @@ struct LineFigures {
     double viewerDelay = 0.0;     // and take longer in the viewer than they must
     uint32_t level = 0;           // of the quality ladder
     uint32_t quality = 0;         // JPEG quality while the view moves
+    bool video = false;           // the last picture is one's
+    bool forLine = false;         // pictures of a changing view are one, as JPEG was too large for the line
 };
 
 struct ViewerStats {

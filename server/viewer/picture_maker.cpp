@@ -5,6 +5,7 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
+#include "server/encode/vp9_encoder.h"
 
 #include <algorithm>
 
@@ -41,8 +42,8 @@ uint32_t micros(double seconds) { return static_cast<uint32_t>(std::clamp(second
 /// What the header says of the frame, whatever it is encoded as.
 void describe(const FinishedFrame& frame, FrameHeader& header) {
     header.kind = frame.picture ? FrameKind::picture : FrameKind::frame;
-    header.flags = static_cast<uint8_t>((frame.view.moving ? FRAME_MOVING : 0) | (frame.final ? FRAME_FINAL : 0) |
-                                        (frame.path ? FRAME_PATH : 0));
+    header.flags = static_cast<uint8_t>((header.flags & FRAME_KEY) | (frame.view.moving ? FRAME_MOVING : 0) |
+                                        (frame.final ? FRAME_FINAL : 0) | (frame.path ? FRAME_PATH : 0));
     header.inputId = frame.view.inputId;
     header.generation = frame.generation;
     header.size = frame.size;
@@ -59,25 +60,42 @@ struct PictureMaker::Encoders {
     std::unique_ptr<Encoder> jpeg = makeJpegEncoder(StripeThreads::all);
     std::unique_ptr<Encoder> savedJpeg = makeJpegEncoder(StripeThreads::own);
     std::unique_ptr<Encoder> png = makePngEncoder();
+    std::unique_ptr<VideoEncoder> video;  // as long as pictures are sent as one
 };
 
 PictureMaker::PictureMaker() : encoders_(std::make_unique<Encoders>()) {}
 PictureMaker::~PictureMaker() = default;
 
+/// What was developed.
+void PictureMaker::encode(const FinishedFrame& frame, const PictureKey& key, MadePicture& made) {
+    std::unique_ptr<VideoEncoder>& video = encoders_->video;
+    switch (key.codec) {
+        case FrameCodec::exr: return encodeExr(pixels_, frame.size, made.payload);
+        case FrameCodec::png: encoders_->png->encode(display_, key.quality, made.payload); return;
+        case FrameCodec::vp9:
+            if (!video) video = makeVp9Encoder();
+            if (key.beginsVideo) video->wantKey();
+            made.helpSeconds += video->encode(display_, key.quality, made.payload);
+            made.keyPicture = video->key();
+            return;
+        case FrameCodec::jpeg:
+            if (frame.view.moving && !frame.picture) video.reset();  // pictures are no video any more
+            made.helpSeconds +=
+                (frame.picture ? encoders_->savedJpeg : encoders_->jpeg)->encode(display_, key.quality, made.payload);
+    }
+}
+
 /// Develops and encodes.
 void PictureMaker::paint(const FinishedFrame& frame, const PictureKey& key, bool several, MadePicture& made) {
     StopWatch watch;
     made.helpSeconds = 0.0;
+    made.keyPicture = false;
     if (key.codec == FrameCodec::exr) frame.film->develop(pixels_);
     else made.helpSeconds = develop(frame, display_);
     made.relativeError = static_cast<float>(frame.film->relativeError());
     made.developSeconds = watch.seconds();
     watch.restart();
-    if (key.codec == FrameCodec::exr) encodeExr(pixels_, frame.size, made.payload);
-    else if (key.codec == FrameCodec::png) encoders_->png->encode(display_, key.quality, made.payload);
-    else
-        made.helpSeconds +=
-            (frame.picture ? encoders_->savedJpeg : encoders_->jpeg)->encode(display_, key.quality, made.payload);
+    encode(frame, key, made);
     made.encodeSeconds = watch.seconds();
     made.still.reset();
     if (!key.keep) return;
@@ -90,7 +108,7 @@ void PictureMaker::paint(const FinishedFrame& frame, const PictureKey& key, bool
 EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, bool keep, SharedPictures* shared) {
     EncodedFrame result;
     const double before = threadCpuSeconds();
-    const PictureKey key{header.codec, header.quality, keep};
+    const PictureKey key{header.codec, header.quality, keep, (header.flags & FRAME_KEY) != 0};
     std::shared_ptr<const MadePicture> ofAll;
     if (shared) {
         result.shared = true;
@@ -105,6 +123,7 @@ EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, 
     }
     const MadePicture& made = ofAll ? *ofAll : made_;
     header.relativeError = made.relativeError;
+    header.flags = made.keyPicture ? FRAME_KEY : 0;
     header.developMicros = micros(made.developSeconds);
     header.encodeMicros = micros(made.encodeSeconds);
     describe(frame, header);

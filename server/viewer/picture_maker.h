@@ -28,6 +28,7 @@ struct PictureKey {
     FrameCodec codec = FrameCodec::jpeg;
     uint8_t quality = 0;
     bool keep = false;
+    bool beginsVideo = false;
     auto operator<=>(const PictureKey&) const = default;
 };
 struct MadePicture {
@@ -36,6 +37,7 @@ struct MadePicture {
     double encodeSeconds = 0.0;
     double helpSeconds = 0.0;  // processor time of other threads
     float relativeError = 1.0f;
+    bool keyPicture = false;                            // of a video
     std::shared_ptr<const StillPicture::Shared> still;  // where it is kept
 };
 /// Of one frame.
@@ -59,15 +61,17 @@ public:
     PictureMaker();
     ~PictureMaker();
 
-    /// `header` says the codec, the quality and the frame's id; the rest is filled in. EXR holds the film's linear float values,
-    /// the other formats what the viewer sees. Throws std::runtime_error.
-    /// `keep`: the picture itself comes back too. `shared`: of all who are sent this frame; may be null.
+    /// `header` says the codec, the quality, the frame's id, and by FRAME_KEY whether a video begins anew; the rest is filled in.
+    /// EXR holds the film's linear float values, the other formats what the viewer sees. Throws std::runtime_error; a video
+    /// begins anew then. `keep`: the picture itself comes back too. `shared`: of all who are sent this frame; may be null, and
+    /// is of a video, which is one viewer's.
     EncodedFrame make(const FinishedFrame& frame, FrameHeader header, bool keep = false, SharedPictures* shared = nullptr);
     /// The rows from `firstRow` on as PNG. `header`: its frame id alone counts, the rest is the picture's.
     EncodedFrame makePart(const StillPicture& still, uint32_t firstRow, uint32_t rows, FrameHeader header);
 
 private:
     void paint(const FinishedFrame& frame, const PictureKey& key, bool several, MadePicture& made);
+    void encode(const FinishedFrame& frame, const PictureKey& key, MadePicture& made);
     void finish(EncodedFrame& result, std::span<const uint8_t> payload, size_t placeBytes);
 
     struct Encoders;

@@ -22,7 +22,7 @@ bool stalledSince(std::optional<double> oldest, double now) {
 
 void smooth(double& value, double newest) { value = value > 0.0 ? 0.8 * value + 0.2 * newest : newest; }
 
-FrameCodec codecOf(PictureFormat format) {
+FrameCodec savedCodec(PictureFormat format) {
     switch (format) {
         case PictureFormat::exr: return FrameCodec::exr;
         case PictureFormat::jpg: return FrameCodec::jpeg;
@@ -63,6 +63,8 @@ Readiness Viewer::readiness() const {
     if (encoder_.busy()) return Readiness::busy;
     std::lock_guard lock(mutex_);
     if (!client_.visible) return Readiness::stalled;
+    // In the socket another frame would replace it, and those that build on it would be of no use.
+    if (video_ && unwritten_) return stalledSince(line_.oldest(), secondsNow()) ? Readiness::stalled : Readiness::noCredit;
     if (line_.room(frameSeconds_, MAX_UNACKED)) return Readiness::ready;
     return stalledSince(line_.oldest(), secondsNow()) ? Readiness::stalled : Readiness::noCredit;
 }
@@ -75,7 +77,6 @@ bool Viewer::nothingOnItsWay() const {
 
 void Viewer::take(FinishedFrame frame, std::shared_ptr<SharedPictures> shared) {
     FrameHeader header;
-    header.codec = frame.picture ? codecOf(frame.picture->format) : FrameCodec::jpeg;
     bool keep = false;
     {
         std::lock_guard lock(mutex_);
@@ -84,7 +85,12 @@ void Viewer::take(FinishedFrame frame, std::shared_ptr<SharedPictures> shared) {
         header.frameId = ++lastFrameId_;
         if (!frame.picture) line_.begin(header.frameId, secondsNow(), frame.view.moving);
         if (!frame.picture && frame.view.moving) smooth(frameSeconds_, frame.figures.lastPassSeconds);
-        if (header.codec == FrameCodec::jpeg) header.quality = static_cast<uint8_t>(qualityOf(frame));
+        header.codec = codecOf(frame);
+        const bool video = header.codec == FrameCodec::vp9;
+        if (video || header.codec == FrameCodec::jpeg) header.quality = static_cast<uint8_t>(qualityOf(frame));
+        if (video && std::exchange(keyWanted_, false)) header.flags = FRAME_KEY;
+        if (!frame.picture) video_ = video;
+        if (video) unwritten_ = true, shared.reset();
     }
     encoder_.encode(std::move(frame), header, keep, std::move(shared));
 }
@@ -108,6 +114,15 @@ bool Viewer::refine() {
     }
     encoder_.encode(std::move(still), first, rows, header);
     return true;
+}
+
+/// With the lock held. While pictures change they may be a video, for who can decode one.
+FrameCodec Viewer::codecOf(const FinishedFrame& frame) {
+    if (frame.picture) return savedCodec(frame.picture->format);
+    const auto setting = static_cast<CodecSetting>(frame.view.settings.codec);
+    if (setting != CodecSetting::automatic || !frame.view.settings.adaptiveQuality || !client_.vp9) codec_.reset();
+    const bool video = setting == CodecSetting::vp9 || codec_.video();
+    return video && client_.vp9 && (frame.view.moving || !frame.final) ? FrameCodec::vp9 : FrameCodec::jpeg;
 }
 
 /// With the lock held. The last frame of a view is a better one, unless the line is short of room.
@@ -141,6 +156,8 @@ void Viewer::encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const 
             std::lock_guard lock(mutex_);
             line_.drop(frameId);  // it will never be acknowledged
             still_.reset();       // without one of its parts it is of no use
+            keyWanted_ = true;
+            if (video_) unwritten_ = false;
         }
         listener_.encodingFailed(failure);
     }
@@ -167,6 +184,7 @@ void Viewer::send(EncodedFrame&& frame) {
         if (frame.header.frameId == lastFrameId_) still_ = std::move(frame.still);
         stillRows_ = 0;
         unwritten_ = true;
+        if (frame.header.flags & FRAME_KEY) lastKey_ = frame.header.frameId;
         stats_.frameSent(frame);
         smooth(pictureSeconds_, frame.coreSeconds);
         line_.sent(frame.header.frameId, frame.picture.bytes.size() - SOCKET_HEADROOM, secondsNow());
@@ -178,6 +196,7 @@ void Viewer::send(EncodedFrame&& frame) {
     }
     if (std::optional<uint32_t> replaced = socket_->sendPicture(std::move(frame.picture))) {
         metrics_.framesReplaced++;
+        keyWanted_ = true;
         line_.drop(*replaced);
     }
 }
@@ -192,13 +211,20 @@ void Viewer::acknowledge(const AckMessage& message) {
         const std::optional<double> shown = message.shownMs ? std::optional(*message.shownMs * 1e-3) : std::nullopt;
         // Pictures and frames that are acknowledged twice are not under way, which is fine.
         if (std::optional<QueueDelay> queued = line_.landed(message.frameId, now, shown); queued && queued->moving) {
-            ladder_.seen(queued->total(), now);
-            smooth(figures_.lineDelay, queued->line);
-            smooth(figures_.viewerDelay, queued->viewer);
+            this->queued(*queued, now);
         }
+        if (message.undecodable && message.frameId >= lastKey_) keyWanted_ = true;
     }
     if (message.presentedMs && *message.presentedMs >= 0.0) metrics_.motionToPhoton.add(*message.presentedMs * 1e-3);
     listener_.drained();
+}
+
+/// With the lock held.
+void Viewer::queued(const QueueDelay& delay, double now) {
+    ladder_.seen(delay.total(), now);
+    smooth(figures_.lineDelay, delay.line);
+    smooth(figures_.viewerDelay, delay.viewer);
+    if (client_.vp9 && codec_.seen(ladder_.level(), figures_.lineDelay, figures_.viewerDelay, now)) ladder_.reset();
 }
 
 PictureOrder Viewer::orderPicture(PictureFormat format) {
@@ -220,7 +246,7 @@ void Viewer::written(FrameKind kind, double waitSeconds, double writeSeconds) {
         std::lock_guard lock(mutex_);
         unwritten_ = false;
         if (kind == FrameKind::frame) stats_.frameWritten(waitSeconds, writeSeconds);
-        if (!still_) return;
+        if (!still_ && !video_) return;
     }
     listener_.drained();
 }
@@ -242,6 +268,8 @@ ViewerStats Viewer::takeStats(double seconds, Turns::Used used) {
     ViewerStats stats = stats_.take(seconds, used);
     stats.line = figures_;
     stats.line.level = ladder_.level();
+    stats.line.video = video_;
+    stats.line.forLine = codec_.video();
     stats.line.quality = qualityAt(ladder_.level(), quality_);
     stats.line.roundTrip = line_.leastRoundTrip();
     stats.line.bytesPerSecond = line_.bytesPerSecond();

@@ -4,6 +4,7 @@
 // said and asked for is the session's.
 
 #include "server/net/viewer_socket.h"
+#include "server/pace/codec_choice.h"
 #include "server/pace/line_meter.h"
 #include "server/pace/quality_ladder.h"
 #include "server/viewer/encode_thread.h"
@@ -48,7 +49,7 @@ public:
     bool refine();
     /// No frame is being encoded or waits to be acknowledged, or nothing was for long.
     bool nothingOnItsWay() const;
-    /// The viewer has shown a frame. Throws InputError for one that was never sent.
+    /// The viewer has shown a frame, or cannot: then a video begins anew. Throws InputError for one that was never sent.
     void acknowledge(const AckMessage& message);
     /// The viewer has measured a round trip.
     void pinged(double roundTripSeconds);
@@ -77,6 +78,8 @@ private:
     void encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const std::string& failure);
     void send(EncodedFrame&& frame);
     uint32_t qualityOf(const FinishedFrame& frame);
+    FrameCodec codecOf(const FinishedFrame& frame);
+    void queued(const QueueDelay& delay, double now);
 
     const uint32_t number_;
     const std::shared_ptr<ViewerSocket> socket_;
@@ -89,9 +92,14 @@ private:
     uint32_t lastFrameId_ = 0;
     std::shared_ptr<const StillPicture> still_;  // the last picture, until all its parts were sent
     uint32_t stillRows_ = 0;                     // of it, that were
-    bool unwritten_ = false;                     // a frame or part waits in the socket, where the next one would replace it
+    bool unwritten_ = false;                     // a frame or part waits in the socket, where the next one would replace it,
+                                                 // or one of a video is on its way there
     LineMeter line_;                             // and the frames on their way
     QualityLadder ladder_;
+    CodecChoice codec_;
+    bool video_ = false;      // the last frame is one of a video
+    bool keyWanted_ = false;  // the next one begins it anew
+    uint32_t lastKey_ = 0;    // the last frame that did
     LineFigures figures_;
     double frameSeconds_ = 0.05;  // of a pass while the view moves, smoothed
     uint32_t lastPicture_ = 0;

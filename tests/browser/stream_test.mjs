@@ -5,6 +5,7 @@ import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Line, LINES } from '../load/line.mjs';
+import { codecChecks } from './codec_checks.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
 
 const SIZE = { width: 1100, height: 700 };
@@ -152,10 +153,11 @@ async function badgeChecks(checks, browserFor) {
 export async function streamChecks(checks) {
   const server = new Server(await freePort(), 'cornell');
   const opened = []; // browsers and lines
-  const open = async (line) => {
+  const open = async (line, script = () => undefined) => {
     const [browser, relay] = [new Browser(), await Line.open(server.port, { delayMs: 0, ...line })];
     opened.push([browser, relay]);
     const page = await browser.start(SIZE);
+    await page.addInitScript(script);
     await page.goto(`http://127.0.0.1:${relay.port}/`);
     await until('a picture', 60_000, () => page.evaluate(() => window.heliograph?.state.lastFrame != null));
     return [page, relay];
@@ -166,6 +168,7 @@ export async function streamChecks(checks) {
     await set(page, 'samples', 4);
     await exactChecks(checks, page);
     await hiddenChecks(checks, page, relay);
+    await codecChecks(checks, open, { set, drag, exact, savedPicture });
     await badgeChecks(checks, async (line) => (await open(line))[0]);
     await checks.check('nothing was wrong in the browser\u2019s console (stream)', () => {
       const problems = opened.flatMap(([browser]) => browser.problems);

@@ -49,6 +49,7 @@ void describe(CLI::App& app, Options& o) {
                    "What the hands do: orbit, path, walk, idle, settings, attacker, watch (all look at the view of the first "
                    "one, which orbits) or mixed")
         ->capture_default_str();
+    app.add_flag("--vp9", o.plan.vp9, "Pictures that change as a video, each one decoded; else JPEG");
     app.add_option("--network", o.network, "The line: none, slow, latency, lossy, stalls or close")->capture_default_str();
     app.add_option("--seed", o.plan.seed, "Of the random walks, settings and stalls")->capture_default_str();
     app.add_option("--token-file", o.tokenFile, "File with the server's secret");

@@ -51,6 +51,7 @@ struct LoadPlan {
     uint32_t width = 320, height = 180;
     Script script = Script::orbit;
     NetworkProfile network;
+    bool vp9 = false;  // pictures as a video; else JPEG
     uint32_t seed = 1;
     bool trustAnyCertificate = false;
 };

@@ -1,5 +1,6 @@
 #include "server/base/error.h"
 #include "server/encode/jpeg_encoder.h"
+#include "server/encode/vp9_encoder.h"
 #include "tests/load/load_report.h"
 
 #include <gtest/gtest.h>
@@ -108,6 +109,25 @@ TEST_F(LoadViewerTest, FindsEveryKindOfBrokenPicture) {
     EXPECT_EQ(viewer.dropped(), 0u);
     viewer.takeBinary(frame(20, input, picture), 2.0);
     EXPECT_EQ(viewer.dropped(), 11u);
+}
+
+TEST(Vp9Decoder, FindsWhatIsNotTheNextPictureOfAVideo) {
+    const std::unique_ptr<VideoEncoder> encoder = makeVp9Encoder();
+    DisplayImage image{SIDE, SIDE, std::vector<uint8_t>(SIDE * SIDE * 4)};
+    std::vector<std::vector<uint8_t>> pictures(3);
+    for (std::vector<uint8_t>& picture : pictures) {
+        for (uint8_t& code : image.rgba) code = static_cast<uint8_t>(code * 5 + 77);
+        encoder->encode(image, 80, picture);
+    }
+    Vp9Decoder whole, late;
+    EXPECT_EQ(whole.fault(pictures[0], SIDE, SIDE, true), "");
+    EXPECT_EQ(whole.fault(pictures[1], SIDE, SIDE, false), "");
+    EXPECT_NE(whole.fault(pictures[2], SIDE, SIDE + 1, false), "") << "another size";
+    EXPECT_NE(whole.fault(pictures[2], SIDE, SIDE, true), "") << "it is no key picture";
+    EXPECT_NE(whole.fault(std::vector<uint8_t>(40, 0x11), SIDE, SIDE, false), "");
+    EXPECT_NE(late.fault(pictures[1], SIDE, SIDE, false), "") << "without the first one";
+    whole.reset();
+    EXPECT_EQ(whole.fault(pictures[0], SIDE, SIDE, true), "") << "from the beginning";
 }
 
 TEST_F(LoadViewerTest, ForgetsFramesAndInputsOfALostConnection) {

@@ -1,10 +1,7 @@
 #include "tests/load/load_viewer.h"
 
-#include <turbojpeg.h>
-
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 namespace heliograph::load {
 
@@ -37,19 +34,6 @@ const char* const ATTACKS[] = {
 
 }  // namespace
 
-std::string jpegFault(std::span<const uint8_t> bytes, uint32_t width, uint32_t height) {
-    thread_local const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
-    thread_local std::vector<uint8_t> pixels;
-    int w = 0, h = 0, subsampling = 0, space = 0;
-    if (tjDecompressHeader3(decoder.get(), bytes.data(), bytes.size(), &w, &h, &subsampling, &space) != 0) return "no JPEG";
-    if (w != static_cast<int>(width) || h != static_cast<int>(height)) return "a JPEG of another size than its header says";
-    pixels.resize(static_cast<size_t>(w) * h * 3);
-    // A cut or damaged stream is a warning to the decoder, which goes on; to a viewer it is a broken picture.
-    if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), pixels.data(), w, 0, h, TJPF_RGB, TJFLAG_STOPONWARNING) != 0)
-        return std::string("a JPEG that does not decode: ") + tjGetErrorStr2(decoder.get());
-    return {};
-}
-
 LoadViewer::LoadViewer(const LoadPlan& plan, uint32_t index)
     : plan_(plan), index_(index), script_(scriptFor(plan, index)), random_(plan.seed * 7919 + index + 1) {}
 
@@ -67,8 +51,11 @@ void LoadViewer::opened(double) {
     inputId_ = shownInput_ = 0;
     lastInputShownAt_ = -1.0;
     if (!plan_.token.empty()) say({{"type", "token"}, {"token", plan_.token}});
+    video_.reset();
+    if (plan_.vp9) say({{"type", "client"}, {"vp9", true}});
     if (script_ == Script::watch) return;  // the size is that of who drives
     say({{"type", "resolution"}, {"width", plan_.width}, {"height", plan_.height}, {"inputId", ++inputId_}});
+    if (plan_.vp9) say({{"type", "settings"}, {"inputId", ++inputId_}, {"values", {{"codec", "vp9"}}}});
     if (!plan_.scene.empty()) say({{"type", "scene"}, {"name", plan_.scene}});
 }
 
@@ -122,7 +109,10 @@ void LoadViewer::takeBinary(std::span<const uint8_t> bytes, double now) {
     if (header.kind != FrameKind::frame) return;
     const size_t length = bytes[4] | bytes[5] << 8;
     if (length + header.payloadBytes != bytes.size()) return fault("a frame whose header and length differ");
-    const std::string wrong = jpegFault(bytes.subspan(length), header.size.x, header.size.y);
+    const std::span<const uint8_t> picture = bytes.subspan(length);
+    const std::string wrong = header.codec == FrameCodec::vp9
+                                  ? video_.fault(picture, header.size.x, header.size.y, (header.flags & FRAME_KEY) != 0)
+                                  : jpegFault(picture, header.size.x, header.size.y);
     if (!wrong.empty()) fault(wrong);
     if (header.inputId < shownInput_) fault("an older input after a newer one");
     if (header.inputId > inputId_ && script_ != Script::attacker) fault("an input that was never sent");

@@ -1,9 +1,10 @@
 #pragma once
 // One viewer of a load test, without its socket: what it says, and whether what it hears is right. Every picture has to be
-// a whole JPEG of the size asked for, newer than the one before and never of an older input.
+// whole, of the size asked for, newer than the one before and never of an older input.
 
 #include "server/net/protocol.h"
 #include "tests/load/load_plan.h"
+#include "tests/load/picture_fault.h"
 
 #include <nlohmann/json.hpp>
 
@@ -66,6 +67,7 @@ private:
     Camera cameraAt(double now) const;
 
     const LoadPlan& plan_;
+    Vp9Decoder video_;
     uint32_t index_;
     Script script_;
     mutable std::minstd_rand random_;
@@ -84,8 +86,5 @@ private:
     std::vector<std::string> faults_;
     uint64_t faultCount_ = 0, dropped_ = 0, refusals_ = 0, reconnects_ = 0;
 };
-
-/// Whether these bytes are a whole JPEG of this size. What is wrong, or an empty text.
-std::string jpegFault(std::span<const uint8_t> bytes, uint32_t width, uint32_t height);
 
 }  // namespace heliograph::load

@@ -17,6 +17,7 @@ export interface Diagnostics {
     readonly height: number;
     readonly final: boolean;
     readonly exact: boolean;
+    readonly codec: string;
     readonly devices: readonly string[]; // that took part
   } | null;
   readonly partition: { readonly frameId: number; readonly devices: readonly string[] } | null; // on the picture
@@ -60,6 +61,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
               height: frame.height,
               final: frame.final,
               exact: frame.exact,
+              codec: frame.codec,
               devices: [...frame.devices],
             },
       partition: shown === null ? null : { frameId: shown.partition.frameId, devices: [...shown.partition.devices] },

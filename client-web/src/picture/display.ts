@@ -3,6 +3,7 @@
 
 import { ExactPicture } from './exact_picture.js';
 import { FrameQueue } from './frame_queue.js';
+import { VideoPictures } from './video_pictures.js';
 import { MIME_TYPES, type Frame } from '../wire/frame.js';
 
 export interface Presentation {
@@ -18,10 +19,12 @@ export interface DisplayHooks {
   dropped(frame: Frame, reason: 'newer' | 'undecodable'): void;
   /** A part of a picture was taken, or is of no use. */
   partTaken(frame: Frame): void;
+  /** Videos cannot be shown: why. */
+  videoFailed(reason: string): void;
 }
 
 /** The bytes of the file are the pixels: no profile of the screen, no alpha. */
-const decode = (frame: Frame): Promise<ImageBitmap> =>
+const decodeStill = (frame: Frame): Promise<ImageBitmap> =>
   createImageBitmap(new Blob([frame.payload], { type: MIME_TYPES[frame.codec] }), {
     colorSpaceConversion: 'none',
     premultiplyAlpha: 'none',
@@ -43,6 +46,7 @@ export class Display {
   private readonly context_: ImageBitmapRenderingContext;
   private readonly queue_: FrameQueue<ImageBitmap>;
   private readonly exact_: ExactPicture<ImageBitmap>;
+  private readonly video_: VideoPictures<ImageBitmap>;
   private readonly afterPaint_ = new MessageChannel();
   private shown_: Omit<Presentation, 'time'>[] = [];
 
@@ -53,8 +57,14 @@ export class Display {
     const context = canvas_.getContext('bitmaprenderer', { alpha: false });
     if (context === null) throw new DisplayError('This browser cannot draw decoded pictures on a canvas.');
     this.context_ = context;
+    this.video_ = new VideoPictures<ImageBitmap>({
+      decoder: (init) => new VideoDecoder(init),
+      chunk: (init) => new EncodedVideoChunk(init),
+      image: (decoded) => createImageBitmap(decoded),
+      failed: hooks.videoFailed,
+    });
     this.queue_ = new FrameQueue<ImageBitmap>({
-      decode,
+      decode: (frame) => (frame.codec === 'vp9' ? this.video_.decode(frame) : decodeStill(frame)),
       schedule: () => this.schedule(),
       draw: (image, frame, decodeMs) => {
         this.draw(image, frame, decodeMs);
@@ -64,7 +74,7 @@ export class Display {
       now: () => performance.now(),
     });
     this.exact_ = new ExactPicture<ImageBitmap>({
-      decode,
+      decode: decodeStill,
       complete: (parts, frame) =>
         this.queue_.pushDecoded({ ...frame, kind: 'frame', exact: true }, putTogether(parts, frame)),
       acknowledge: hooks.partTaken,
@@ -96,10 +106,16 @@ export class Display {
     void this.queue_.push(frame);
   }
 
+  /** A picture of a video was not pushed. */
+  skipped(): void {
+    this.video_.skipped();
+  }
+
   /** To be called when a connection ends: frame ids begin anew with the next one. */
   reset(): void {
     this.queue_.reset();
     this.exact_.forget();
+    this.video_.reset();
     this.shown_ = [];
   }
 

@@ -19,7 +19,8 @@ export const exactText = (samples: number): PaceText => ({
 
 /** Null where nothing limits. */
 export function paceText(pace: Pace): PaceText | null {
-  const size = `Pictures of a moving view have ${Math.round(pace.scale * 100)} % of the width and JPEG quality ${pace.quality}`;
+  const kind = pace.codec === 'vp9' ? 'are a VP9 video, have' : 'have';
+  const size = `Pictures of a moving view ${kind} ${Math.round(pace.scale * 100)} % of the width and JPEG quality ${pace.quality}`;
   switch (pace.limit) {
     case 'none':
       return null;

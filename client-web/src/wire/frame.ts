@@ -6,12 +6,13 @@ import type { DeviceKind } from './protocol.js';
 /** Something from the server that does not follow the protocol. */
 export class ProtocolError extends Error {}
 
-export type Codec = 'jpeg' | 'png' | 'exr';
-const CODECS: readonly Codec[] = ['jpeg', 'png', 'exr'];
+export type Codec = 'jpeg' | 'png' | 'exr' | 'vp9';
+const CODECS: readonly Codec[] = ['jpeg', 'png', 'exr', 'vp9'];
 export const MIME_TYPES: Readonly<Record<Codec, string>> = {
   jpeg: 'image/jpeg',
   png: 'image/png',
   exr: 'image/x-exr',
+  vp9: 'video/vp9',
 };
 
 /** Which pixels of a picture a part holds. */
@@ -29,8 +30,9 @@ export interface Frame {
   readonly moving: boolean;
   readonly final: boolean; // the sample target is reached
   readonly path: boolean; // a frame of the benchmark path
+  readonly key: boolean; // of a video: needs no picture before it
   readonly exact: boolean; // no code of a pixel differs from the server's picture
-  readonly quality: number; // jpeg
+  readonly quality: number; // jpeg, or of a video that looks as good
   readonly frameId: number;
   readonly inputId: number; // newest input that this picture shows
   readonly generation: number;
@@ -96,6 +98,7 @@ export function parseFrame(buffer: ArrayBuffer, kinds: readonly DeviceKind[]): F
     moving: (flags & 1) !== 0,
     final: (flags & 2) !== 0,
     path: (flags & 4) !== 0,
+    key: (flags & 8) !== 0,
     exact: false, // a part is, but no picture
     quality: view.getUint8(7),
     frameId: view.getUint32(8, true),

@@ -109,6 +109,7 @@ export interface Pace {
   readonly limit: 'none' | 'server' | 'line' | 'viewer';
   readonly scale: number; // width of a picture over that of a full one
   readonly quality: number; // JPEG
+  readonly codec: string; // of the last picture
   readonly fullMs: number; // a pass in full size
   readonly roundTripMs: number; // the least
   readonly lineMs: number; // that pictures queue on the line
@@ -327,6 +328,7 @@ function paceOf(value: unknown): Pace | null {
     limit: limit === 'server' || limit === 'line' || limit === 'viewer' ? limit : 'none',
     scale: numberOf(value['scale'], 1),
     quality: numberOf(value['quality']),
+    codec: textOf(value['codec']),
     fullMs: numberOf(value['fullMs']),
     roundTripMs: numberOf(value['roundTripMs']),
     lineMs: numberOf(value['lineMs']),

@@ -10,7 +10,7 @@ export type ViewerMessage =
   | { type: 'settings'; inputId: number; values: SettingValues }
   | { type: 'resolution'; inputId: number; width: number; height: number }
   | { type: 'scene'; name: string }
-  | { type: 'ack'; frameId: number; presentedMs: number | null; shownMs: number | null }
+  | { type: 'ack'; frameId: number; presentedMs: number | null; shownMs: number | null; undecodable: boolean }
   | { type: 'picture'; format: PictureFormat }
   | { type: 'path'; playing: boolean }
   | { type: 'effectCosts' }
@@ -18,5 +18,5 @@ export type ViewerMessage =
   | { type: 'watch'; inputId: number; view?: string; key?: string } // without a view: one of its own
   | { type: 'drive'; inputId: number; viewer?: number; refuse?: boolean } // without a viewer: asks to drive
   | { type: 'ping'; time: number; roundTripMs: number | null } // of the ping before
-  | { type: 'client'; visible: boolean; exact: boolean } // whether somebody sees the page; it puts parts together
+  | { type: 'client'; visible: boolean; exact: boolean; vp9: boolean } // somebody sees the page; it puts parts together
   | { type: 'token'; token: string };

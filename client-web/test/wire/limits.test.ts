@@ -40,6 +40,7 @@ test('limits: a time that no server takes is not sent', () => {
     show: () => undefined,
     acknowledge: (_, presentedMs) => acked.push(presentedMs),
     undecodable: () => undefined,
+    skipped: () => undefined,
   });
   const shown = (frameId: number, ms: number): void => {
     meter.motionToPhoton.sent(frameId, 0);

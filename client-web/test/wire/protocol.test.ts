@@ -43,6 +43,11 @@ function changed(offset: number, value: number): ArrayBuffer {
   return buffer;
 }
 
+test('parseFrame: a picture of a video says whether it needs one before it', () => {
+  assert.equal(parseFrame(changed(3, 3), DEVICE_KINDS).codec, 'vp9');
+  assert.deepEqual([parseFrame(changed(6, 1), DEVICE_KINDS).key, parseFrame(changed(6, 9), DEVICE_KINDS).key], [false, true]);
+});
+
 test('parseFrame: reads every field', () => {
   const { payload, ...header } = parseFrame(frameBytes(), DEVICE_KINDS);
   assert.deepEqual(header, {
@@ -52,6 +57,7 @@ test('parseFrame: reads every field', () => {
     moving: true,
     final: false,
     path: true,
+    key: false,
     exact: false,
     quality: 80,
     frameId: 4_000_000_001,

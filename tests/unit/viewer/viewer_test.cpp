@@ -256,6 +256,110 @@ TEST(Viewer, PicturesThatQueueBecomeCoarserUnlessTheViewForbidsIt) {
     EXPECT_EQ(seat.viewer.coarser(), 0u);
 }
 
+/// One after the other, as they are taken; each is written and acknowledged before the next.
+struct Taker {
+    Seat& seat;
+    size_t count = seat.sent().size();
+    FrameHeader take(FinishedFrame frame) {
+        seat.viewer.take(std::move(frame));
+        count++;
+        EXPECT_TRUE(test::until([&] { return seat.sent().size() == count && seat.viewer.readiness() != Readiness::busy; }));
+        return seat.sent().back();
+    }
+    FrameHeader shown(FinishedFrame frame, bool undecodable = false) {
+        const FrameHeader header = take(std::move(frame));
+        seat.write(FrameKind::frame);
+        seat.viewer.acknowledge({header.frameId, std::nullopt, 0.0, undecodable});
+        return header;
+    }
+};
+
+/// Of a view that is to be a video.
+FinishedFrame videoFrameOf(uvec2 size, uint32_t generation) {
+    FinishedFrame frame = frameOf(size, generation);
+    frame.view.moving = true;
+    frame.view.settings.codec = static_cast<uint32_t>(CodecSetting::vp9);
+    return frame;
+}
+
+TEST(Viewer, AVideoIsForWhoDecodesItWhileTheViewChanges) {
+    Seat seat;
+    Taker taker{seat};
+    const uvec2 size(64, 48);
+    EXPECT_EQ(taker.shown(videoFrameOf(size, 1)).codec, FrameCodec::jpeg) << "it has not said that it can";
+    seat.viewer.setClient({true, false, true});
+    const FrameHeader first = taker.shown(videoFrameOf(size, 2)), second = taker.shown(videoFrameOf(size, 3));
+    EXPECT_EQ(first.codec, FrameCodec::vp9);
+    EXPECT_EQ(first.flags, FRAME_MOVING | FRAME_KEY);
+    EXPECT_EQ(first.quality, 80);
+    EXPECT_EQ(second.codec, FrameCodec::vp9);
+    EXPECT_EQ(second.flags, FRAME_MOVING) << "it builds on the one before";
+    EXPECT_TRUE(seat.viewer.takeStats(1.0, {}).line.video);
+    FinishedFrame last = videoFrameOf(size, 4);
+    last.view.moving = false;
+    EXPECT_EQ(taker.shown(last).codec, FrameCodec::vp9) << "more samples come";
+    last.final = true;
+    EXPECT_EQ(taker.shown(last).codec, FrameCodec::jpeg);
+    EXPECT_EQ(taker.shown(videoFrameOf(size, 5)).flags, FRAME_MOVING) << "the decoder has the last one of the video still";
+    EXPECT_EQ(taker.shown(videoFrameOf(uvec2(32, 32), 6)).flags, FRAME_MOVING | FRAME_KEY) << "another size";
+    FinishedFrame still = videoFrameOf(size, 7);
+    still.view.settings.codec = static_cast<uint32_t>(CodecSetting::jpeg);
+    EXPECT_EQ(taker.shown(still).codec, FrameCodec::jpeg);
+    EXPECT_EQ(taker.shown(videoFrameOf(uvec2(32, 32), 8)).flags, FRAME_MOVING | FRAME_KEY) << "a new video";
+}
+
+TEST(Viewer, AVideoThatCannotBeDecodedBeginsAnewOnce) {
+    Seat seat;
+    seat.viewer.setClient({true, false, true});
+    seat.viewer.pinged(0.3);  // several are on their way
+    Taker taker{seat};
+    std::vector<uint32_t> ids;
+    for (uint32_t i = 1; i <= 4; i++) {
+        ids.push_back(taker.take(videoFrameOf(uvec2(64, 48), i)).frameId);
+        seat.write(FrameKind::frame);
+    }
+    seat.viewer.acknowledge({ids[0], std::nullopt, 0.0, true});
+    EXPECT_EQ(taker.shown(videoFrameOf(uvec2(64, 48), 5)).flags, FRAME_MOVING | FRAME_KEY);
+    for (size_t i : {1u, 2u, 3u}) seat.viewer.acknowledge({ids[i], std::nullopt, 0.0, true});
+    EXPECT_EQ(taker.shown(videoFrameOf(uvec2(64, 48), 6)).flags, FRAME_MOVING) << "those before the key are told of already";
+}
+
+TEST(Viewer, NoPictureOfAVideoIsReplacedInTheSocket) {
+    Seat seat;
+    seat.viewer.setClient({true, false, true});
+    seat.viewer.pinged(0.3);
+    Taker taker{seat};
+    taker.take(videoFrameOf(uvec2(64, 48), 1));
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::noCredit) << "it waits there; the next one would build on it";
+    const int drains = seat.drains;
+    seat.write(FrameKind::frame);
+    EXPECT_EQ(seat.drains, drains + 1) << "there is room now";
+    EXPECT_EQ(seat.viewer.readiness(), Readiness::ready);
+    seat.viewer.take(videoFrameOf(uvec2(70'000, 1), 2));  // more than can be coded
+    ASSERT_TRUE(test::until([&] { return seat.viewer.readiness() == Readiness::ready; }));
+    EXPECT_EQ(seat.failures.size(), 1u);
+    EXPECT_EQ(taker.take(videoFrameOf(uvec2(64, 48), 3)).flags, FRAME_MOVING | FRAME_KEY);
+}
+
+TEST(Viewer, ASlowLineMakesAVideoOfJpegAndLosesNoQualityAtFirst) {
+    Seat seat;
+    seat.viewer.setClient({true, false, true});
+    seat.viewer.pinged(0.0);
+    Taker taker{seat};
+    FinishedFrame frame = frameOf(uvec2(64, 64), 1);
+    frame.view.moving = true;
+    FrameHeader header;
+    for (int i = 0; i < 40 && header.codec == FrameCodec::jpeg; i++) {
+        header = taker.take(frame);
+        seat.write(FrameKind::frame);
+        std::this_thread::sleep_for(65ms);
+        seat.viewer.acknowledge({header.frameId, std::nullopt, 0.0});
+    }
+    EXPECT_EQ(header.codec, FrameCodec::vp9);
+    EXPECT_EQ(header.quality, 80) << "what the ladder learnt was of JPEG";
+    EXPECT_EQ(seat.viewer.coarser(), 0u);
+}
+
 TEST(Viewer, WhatItsThreadIsAtCanBeNamed) {
     Seat seat;
     EXPECT_FALSE(seat.viewer.stage());

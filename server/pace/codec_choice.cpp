@@ -1,0 +1,33 @@
+#include "server/pace/codec_choice.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace heliograph {
+
+namespace {
+
+constexpr double SHORT = 0.02;           // seconds, as of the quality ladder
+constexpr double PATIENCE = 10.0;        // seconds
+constexpr double MOST_PATIENCE = 320.0;  // seconds
+constexpr double REGRET = 10.0;          // seconds in which a video shows that JPEG came too soon
+constexpr double LONGEST_STEP = 0.2;     // seconds between two pictures that are one motion
+
+}  // namespace
+
+bool CodecChoice::seen(uint32_t level, double lineDelay, double viewerDelay, double now) {
+    const double passed = std::min(now - std::exchange(seenAt_, now), LONGEST_STEP);
+    if (!video_) {
+        if (level == 0 || lineDelay < viewerDelay) return false;
+        patience_ = now - triedAt_ < REGRET ? std::min(2.0 * patience_, MOST_PATIENCE) : PATIENCE;
+        room_ = 0.0;
+        return video_ = true;
+    }
+    room_ = level == 0 && lineDelay < SHORT ? room_ + passed : 0.0;
+    if (room_ < patience_) return false;
+    triedAt_ = now;
+    video_ = false;
+    return true;
+}
+
+}  // namespace heliograph
