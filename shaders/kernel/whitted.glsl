@@ -197,9 +197,11 @@ vec3 estimatedRadiance(vec3 direction, float spread, vec3 weight) {
     return weight * radiance;
 }
 
+// Whether it reflects blurred, by facets or by levels that stand for them.
+bool reflectsRough(IN(Shading) m) { return (m.flags & MATERIAL_PHONG) == 0u && m.roughness > 0.0f && m.transmission == 0.0f; }
+
 // PathState.lobe of a reflection.
 float reflectedLobe(IN(Shading) m, vec3 wo) {
-    bool rough = (m.flags & MATERIAL_PHONG) == 0u && m.roughness > 0.0f && m.transmission == 0.0f;
     float lobe = FLOAT_MAX;
     if (FOLLOWS_FACETS) {
         float nDotV = max(dot(m.normal, wo), 1.0e-4f);
@@ -207,25 +209,40 @@ float reflectedLobe(IN(Shading) m, vec3 wo) {
     } else if (HAS_FILTERED) {
         lobe = -m.roughness;
     }
-    return SELECT(rough, lobe, FLOAT_MAX);
+    return SELECT(reflectsRough(m), lobe, FLOAT_MAX);
 }
 
-// Adds one mirror ray, or its estimate where the depth, the threshold or the settings end it.
-uint followReflection(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight, OUT(PathState) next, INOUT(vec3) radiance) {
+// Largest channel of a reflection whose ray weighs `weight`: by facets their mean, which is the same for every sample. Rays to
+// sampled lights share the light with all of them, and those that find no way out as well.
+float reflectedShare(IN(Shading) m, vec3 throughput, vec3 weight) {
     float share = maxComponent(weight);
-    vec3 direction = p.direction - m.facet * (2.0f * dot(m.facet, p.direction));
-    float above = dot(direction, s.geometricNormal);  // must stay outside
-    direction = SELECT(above > 0.0f, direction, normalize3(direction + s.geometricNormal * (0.01f - above)));
+    if (FOLLOWS_FACETS) share = SELECT(reflectsRough(m), maxComponent(throughput * m.albedo) * m.alpha, share);
+    return share;
+}
+
+// Whether a ray follows a reflection of that share, if its facet has a way out.
+bool followsReflection(IN(PathState) p, float share) {
     bool follow = (HAS(EFFECT_REFLECTIONS) || HAS(EFFECT_GLOSSY_REFLECTIONS)) && reflectionDepth(p.depth) < FRAME.maxReflections
                   && share > FRAME.contributionThreshold;
     if (HAS(EFFECT_INDIRECT_LIGHT)) follow = follow && (p.depth & DIFFUSED) == 0u;
     if (HAS(EFFECT_PATH)) follow = share > 0.0f && bounces(p.depth) < FRAME.maxBounces;
-    bool ends = share > 0.0f && !follow;
+    return follow;
+}
+
+// Adds one mirror ray of that weight, or its estimate where the depth, the threshold or the settings end it.
+uint followReflection(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight, float share, OUT(PathState) next,
+                      INOUT(vec3) radiance) {
+    bool some = maxComponent(weight) > 0.0f;
+    vec3 direction = p.direction - m.facet * (2.0f * dot(m.facet, p.direction));
+    float above = dot(direction, s.geometricNormal);  // must stay outside
+    direction = SELECT(above > 0.0f, direction, normalize3(direction + s.geometricNormal * (0.01f - above)));
+    bool follow = followsReflection(p, share);
+    bool ends = some && !follow;
     if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, direction, weight, 1.0f, 1u);
     next.lobe = reflectedLobe(m, -p.direction);
     next.depth = ((p.depth + 1u) & 0x00ffffffu) | (RAY_REFLECTION << 24);
-    return SELECT(follow, uint(NEXT_REFLECTION), uint(0u));
+    return SELECT(some && follow, uint(NEXT_REFLECTION), uint(0u));
 }
 
 uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 arriving, float eta, float cosI, float cosT,
@@ -337,7 +354,8 @@ uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, IN
     Split split = splitAt(p, s, m);
     vec3 solid = throughput * m.alpha;
     vec3 reflected = solid * split.reflected;
-    if (ANY(maxComponent(reflected) > 0.0f)) next = next | followReflection(p, s, m, reflected, reflection, radiance);
+    if (ANY(maxComponent(reflected) > 0.0f))
+        next = next | followReflection(p, s, m, reflected, reflectedShare(m, throughput, reflected), reflection, radiance);
     if (HAS(EFFECT_ALPHA_BLEND)) {
         if (ANY(m.alpha < 1.0f)) next = next | followPass(p, s, throughput * (1.0f - m.alpha), pass, radiance);
     }
@@ -388,18 +406,18 @@ float glowShare(IN(PathState) p, IN(Surface) s) {
     return SELECT(sharesLight(p), balance(p.lobe, density), 1.0f);
 }
 
-// How the rays `next` share the light of sampled places with rays to those.
-LightShares lightShares(IN(Shading) m, uint next) {
+// How the rays `next` and those that leave by facets share the light of sampled places with rays to those.
+LightShares lightShares(IN(PathState) p, IN(Shading) m, vec3 throughput, uint next) {
     LightShares r;
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
     bool solid = m.transmission == 0.0f;
-    bool reflects = (next & NEXT_REFLECTION) != 0u;
     r.diffuseChance = SELECT((next & NEXT_INDIRECT) != 0u, 1.0f, 0.0f);
     r.specularChance = 0.0f;
     r.specularFromSky = SELECT(phong, 1.0f, 0.0f);
     r.specularFromGlow = SELECT(phong, 1.0f, SELECT(solid, 1.0f - followedShare(m), 0.0f));
     if (FOLLOWS_FACETS) {
-        bool rough = !phong && solid && m.roughness > 0.0f;
+        bool rough = reflectsRough(m);
+        bool reflects = followsReflection(p, reflectedShare(m, throughput, vec3(0.0f, 0.0f, 0.0f)));
         r.specularChance = SELECT(rough && reflects, 1.0f, 0.0f);
         r.specularFromGlow = SELECT(rough, 1.0f, r.specularFromGlow);
         r.specularFromSky = SELECT(rough && reflects, 1.0f, r.specularFromSky);
@@ -452,7 +470,7 @@ Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, 
     a.occlusion = needsOcclusion(a.ambient) && a.next == 0u;
     radiance = SELECT(a.occlusion, radiance, radiance + a.ambient);
     a.next = a.next | nextRays(p, a.surface, a.shading, a.throughput, a.reflection, a.refraction, a.pass, radiance);
-    if (HAS_SKY_LIGHT || HAS_LAMPS || HAS(EFFECT_PATH)) a.shares = lightShares(a.shading, a.next);
+    if (HAS_SKY_LIGHT || HAS_LAMPS || HAS(EFFECT_PATH)) a.shares = lightShares(p, a.shading, a.throughput, a.next);
     if (HAS(EFFECT_PATH)) chooseOne(pixel, sampleIndex, p.salt, a);
     a.air = 0.0f;
     if (HAS(EFFECT_FOG)) a.air = airBefore(p, a.surface);

@@ -85,6 +85,31 @@ TEST(SampledEnvironment, ASunThrowsAShadow) {
     EXPECT_NEAR(meanRed(render(scene, lookAt(vec3(5, 2, 5), vec3(5, 0, 5)), exact(), 64, uvec2(9, 9))), 1.0, 0.03);
 }
 
+// Rays to the image and rays that leave by facets share its light: what one brings too little the other brings, also where a
+// facet's ray would have gone below the surface. Off, rays by facets bring all.
+TEST(SampledEnvironment, RoughSurfacesHaveTheSameLightBothWays) {
+    for (const vec2 kind : {vec2(1.0f, 1.0f), vec2(0.5f, 0.5f)}) {
+        SceneBuilder builder("floor");
+        builder.setEnvironmentImage(builder.addImage(sunImage(15.0, 55.0)));
+        Material m = paint(vec3(1.0f));
+        m.roughness = kind.x;
+        m.metallic = kind.y;
+        m.specular = vec4(1.0f, 1.0f, 1.0f, 0.0f);
+        place(builder, ground(100.0f, builder.addMaterial(m, "floor")));
+        const auto scene = builder.finish();
+        const Camera camera = lookAt(vec3(0, 4, 3), vec3(0.0f), 5.0f);
+        Settings glossy = exact();
+        glossy.glossyReflections = true;
+        glossy.indirectLight = true;
+        for (Settings settings : {glossy, exact(true)}) {
+            const double both = meanRed(render(scene, camera, settings, 512, uvec2(17, 17)));
+            settings.environmentLight = false;
+            const double facets = meanRed(render(scene, camera, settings, 1024, uvec2(17, 17)));
+            EXPECT_NEAR(both / facets, 1.0, 0.02) << kind.x << ' ' << kind.y << ' ' << settings.integrator;
+        }
+    }
+}
+
 // ---- glowing surfaces ----
 
 /// A lamp of radiance 4 and 1 x 1 m that faces the floor from 1 m up.

@@ -12,6 +12,9 @@ float weightOf(uint next, uint bit, IN(PathState) path) {
 void chooseOne(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, INOUT(Arrival) a) {
     float diffuse = weightOf(a.next, NEXT_INDIRECT, a.indirect);
     float reflected = weightOf(a.next, NEXT_REFLECTION, a.reflection);
+    // By facets a mean of theirs: the chance of each way has to be the same for rays to lights, which know nothing of the facet.
+    bool shared_ = a.shares.specularChance > 0.0f;
+    reflected = SELECT(shared_, reflectedShare(a.shading, a.throughput, vec3(0.0f, 0.0f, 0.0f)), reflected);
     float passed = weightOf(a.next, NEXT_PASS, a.pass);
     float refracted = weightOf(a.next, NEXT_REFRACTION, a.refraction);
     float sum = diffuse + reflected + passed + refracted;
