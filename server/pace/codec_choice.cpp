@@ -8,6 +8,7 @@ namespace heliograph {
 namespace {
 
 constexpr double SHORT = 0.02;           // seconds, as of the quality ladder
+constexpr double TOO_LONG = 0.06;        // seconds, as there
 constexpr double PATIENCE = 10.0;        // seconds
 constexpr double MOST_PATIENCE = 320.0;  // seconds
 constexpr double REGRET = 10.0;          // seconds in which a video shows that JPEG came too soon
@@ -18,7 +19,7 @@ constexpr double LONGEST_STEP = 0.2;     // seconds between two pictures that ar
 bool CodecChoice::seen(uint32_t level, double lineDelay, double viewerDelay, double now) {
     const double passed = std::min(now - std::exchange(seenAt_, now), LONGEST_STEP);
     if (!video_) {
-        if (level == 0 || lineDelay < viewerDelay) return false;
+        if (level == 0 || lineDelay < std::max(viewerDelay, TOO_LONG)) return false;
         patience_ = now - triedAt_ < REGRET ? std::min(2.0 * patience_, MOST_PATIENCE) : PATIENCE;
         room_ = 0.0;
         return video_ = true;

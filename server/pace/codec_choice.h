@@ -13,7 +13,7 @@ enum class CodecSetting : uint32_t { automatic, jpeg, vp9 };
 class CodecChoice {
 public:
     /// A picture of a moving view was seen. `level`: of the quality ladder. The delays are those by which pictures queue on the
-    /// line and in the viewer. A video from the first step down on that is the line's doing; JPEG again after ten seconds of
+    /// line and in the viewer. A video from the first step down on that is the line's doing alone; JPEG again after ten seconds of
     /// motion without a queue, and after longer each time that it was soon too slow again. True where it has changed: what the
     /// ladder has learnt is of the other codec.
     bool seen(uint32_t level, double lineDelay, double viewerDelay, double now);

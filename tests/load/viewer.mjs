@@ -52,6 +52,7 @@ export class Viewer {
     this.size = size;
     this.ackDelay = ackDelay;
     this.frames = 0;
+    this.videoFrames = 0;
     this.bytes = 0;
     this.unacked = 0;
     this.mostUnacked = 0;
@@ -89,6 +90,7 @@ export class Viewer {
     this.lastFrameId = frame.id;
     this.shownInputId = frame.inputId;
     this.frames++;
+    if (frame.codec === 3) this.videoFrames++;
     this.bytes += data.length;
     this.unacked++;
     this.mostUnacked = Math.max(this.mostUnacked, this.unacked);
@@ -105,12 +107,18 @@ export class Viewer {
   }
 
   /** Turns the head: a full circle in 6 s around the vertical axis. */
-  look(ms) {
+  look(ms, moving = true) {
     const { position, forward, up, fieldOfView } = this.scene.camera;
     const angle = (ms / 6000) * 2 * Math.PI;
     const turn = ([x, y, z]) => [x * Math.cos(angle) + z * Math.sin(angle), y, z * Math.cos(angle) - x * Math.sin(angle)];
-    const message = { position, forward: turn(forward), up: turn(up), fieldOfView, moving: true };
+    const message = { position, forward: turn(forward), up: turn(up), fieldOfView, moving };
     this.send({ type: 'camera', inputId: ++this.inputId, ...message });
+  }
+
+  /** Asks for a video. Its pictures are counted, not decoded. */
+  video() {
+    this.send({ type: 'client', vp9: true });
+    this.send({ type: 'settings', inputId: ++this.inputId, values: { codec: 'vp9' } });
   }
 
   async rest() {
@@ -140,6 +148,7 @@ export class Server {
     return server;
   }
 
+  get port() { return Number(this.base.split(':')[1]); }
   get url() { return `ws://${this.base}/ws`; }
 
   async healthy() {

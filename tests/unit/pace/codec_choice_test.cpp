@@ -17,6 +17,7 @@ TEST(CodecChoice, AVideoIsForSlowLinesAlone) {
     double now = 100.0;
     EXPECT_EQ(move(choice, 5.0, now, 0, 0.05), 0) << "pictures are as they were asked for";
     EXPECT_EQ(move(choice, 5.0, now, 3, 0.01, 0.2), 0) << "the viewer is slow: a video would be more work for it";
+    EXPECT_EQ(move(choice, 5.0, now, 1, 0.05, 0.04), 0) << "both are slow now and then: a busy machine";
     EXPECT_FALSE(choice.video());
     EXPECT_EQ(move(choice, 5.0, now, 1, 0.07), 1);
     EXPECT_TRUE(choice.video());
