@@ -91,7 +91,7 @@ void printForPeople(const EffectBenchResult& r, std::ostream& out) {
                          median(r.core ? on.coreMs : on.wallMs), median(r.core ? off.coreMs : off.wallMs),
                          ratioOf(row.time, r.core).median, static_cast<unsigned long long>(on.rays.total()),
                          static_cast<unsigned long long>(off.rays.total()))
-            << (row.effect.calledFor ? "" : "not called for: ") << oneLine(row.effect.because) << "\n";
+            << (row.effect.possible() ? "" : "not called for: ") << oneLine(row.effect.because) << "\n";
     }
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 
 namespace heliograph {
@@ -50,11 +51,12 @@ std::string variantWords(const Variants& variants) {
            (variants.chosen ? " (drawn: " + chosenVariant(variants) + ")" : " (drawn: the file's own)");
 }
 
-/// Those whose called_for and simulated are the given ones, under a title; nothing where there are none.
-void printEffects(const nlohmann::ordered_json& effects, const char* title, bool calledFor, bool simulated, std::ostream& out) {
+/// Those that `belongs` picks, under a title; nothing where there are none.
+void printEffects(const nlohmann::ordered_json& effects, const char* title,
+                  const std::function<bool(bool calledFor, bool simulated, bool choice)>& belongs, std::ostream& out) {
     bool titled = false;
     for (const auto& effect : effects) {
-        if (effect["called_for"].get<bool>() != calledFor || effect["simulated"].get<bool>() != simulated) continue;
+        if (!belongs(effect["called_for"], effect["simulated"], effect["choice"])) continue;
         if (!titled) out << "\n" << title << "\n";
         titled = true;
         char name[48];
@@ -90,9 +92,16 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
     row("camera paths", namesOf(scene.paths));
     row("material variants", variantWords(scene.variants));
     printExtensions(scene, out);
-    printEffects(json["effects"], "calls for", true, true, out);
-    printEffects(json["effects"], "calls for, but not simulated", true, false, out);
-    printEffects(json["effects"], "does not call for", false, true, out);
+    const nlohmann::ordered_json& effects = json["effects"];
+    printEffects(
+        effects, "calls for", [](bool called, bool simulated, bool) { return called && simulated; }, out);
+    printEffects(
+        effects, "calls for, but not simulated", [](bool called, bool sim, bool) { return called && !sim; }, out);
+    printEffects(
+        effects, "leaves to the viewer", [](bool, bool, bool choice) { return choice; }, out);
+    printEffects(
+        effects, "does not call for", [](bool called, bool simulated, bool choice) { return !called && simulated && !choice; },
+        out);
     if (!scene.warnings.empty()) out << "\nwarnings\n";
     for (const std::string& warning : scene.warnings) out << "  " << oneLine(warning) << "\n";
 }
@@ -107,6 +116,7 @@ nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, d
     for (const EffectReason& reason : reasons) {
         effects.push_back({{"name", reason.name},
                            {"called_for", reason.calledFor},
+                           {"choice", reason.choice},
                            {"because", reason.because},
                            {"setting", reason.setting},
                            {"simulated", reason.simulated}});

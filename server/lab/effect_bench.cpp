@@ -125,7 +125,7 @@ EffectBenchResult benchEffects(Renderer& renderer, const Scene& scene, const Eff
     result.repetitions = options.repetitions;
     result.core = timedByCore(renderer, options.settings);
     const std::vector<EffectReason> effects = explainEffects(scene);
-    result.effects = effectNames({calledFor(effects).bits & allowedEffects(options.settings).bits});
+    result.effects = effectNames({possibleEffects(effects).bits & allowedEffects(options.settings).bits});
     const std::vector<EffectPair> pairs = effectPairs(effects, baseRequest(options));
     for (const EffectPair& pair : pairs) result.rows.push_back({pair.effect, {}});
     Stopwatch watch(renderer);
@@ -169,7 +169,7 @@ EffectCheckResult checkEffects(Renderer& renderer, const Scene& scene, const Eff
     FrameRequest few = all;
     few.settings = withOnlyCalledFor(all.settings, effects);
     for (FrameRequest* request : {&all, &few}) {
-        request->effects.bits = calledFor(effects).bits & allowedEffects(request->settings).bits;
+        request->effects.bits = possibleEffects(effects).bits & allowedEffects(request->settings).bits;
     }
     result.effects = effectNames(all.effects);
     const nlohmann::json allValues = all.settings.toJson(), fewValues = few.settings.toJson();

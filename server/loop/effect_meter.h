@@ -7,6 +7,7 @@
 #include "server/loop/finished_frame.h"
 
 #include <condition_variable>
+#include <span>
 #include <thread>
 
 namespace heliograph {
@@ -15,6 +16,8 @@ struct EffectCost {
     std::string name;
     double onMs = 0.0;  // median wall time of a frame of one sample, waiting for turns left out
     double offMs = 0.0;
+    double lowMs = 0.0;  // least and most that one pair, frames made one after the other, said: on less off
+    double highMs = 0.0;
     uint64_t raysOn = 0;  // of a frame
     uint64_t raysOff = 0;
 };
@@ -27,8 +30,15 @@ struct EffectCosts {
     std::vector<EffectCost> rows;  // in the table's order; effects that are not called for have the view's own cost, twice
 };
 
+struct PairRange {
+    double low = 0.0, high = 0.0;
+};
+/// Least and most of on[i] - off[i]. The median of what such pairs say lies between them in 15 of 16 measurings of five pairs
+/// (sign test): two measurings agree as far as their ranges meet.
+PairRange pairRange(std::span<const double> on, std::span<const double> off);
+
 /// Pixels to render so that all measuring takes about `seconds` on the device: of `film`'s proportions, no more than the film
-/// or 1920 x 1080 in all, at least 64 on the longer side. `frames`: how many will be rendered.
+/// or 1920 x 1080 in all, at least 256 on the longer side. `frames`: how many will be rendered.
 uvec2 measuredSize(uvec2 film, double secondsPerPixel, size_t frames, double seconds);
 
 class EffectMeter {

@@ -17,7 +17,7 @@ void allow(const EffectReason& effect, bool allowed, Settings& settings) {
 }  // namespace
 
 std::vector<EffectPair> effectPairs(const std::vector<EffectReason>& effects, const FrameRequest& base) {
-    const EffectSet called = calledFor(effects);
+    const EffectSet called = possibleEffects(effects);
     std::vector<EffectPair> pairs;
     for (const EffectReason& effect : effects) {
         if (!effect.simulated) continue;
@@ -43,7 +43,7 @@ Settings withOnlyCalledFor(Settings settings, const std::vector<EffectReason>& e
     for (const EffectReason& effect : effects) {
         if (effect.setting.empty()) continue;
         bool needed = std::any_of(effects.begin(), effects.end(), [&](const EffectReason& other) {
-            return other.setting == effect.setting && other.calledFor;
+            return other.setting == effect.setting && other.possible();
         });
         if (!needed) allow(effect, false, settings);
     }

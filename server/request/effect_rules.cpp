@@ -63,6 +63,7 @@ std::string counted(uint64_t number, const std::string& noun, const char* plural
 struct Finding {
     bool calledFor = false;
     std::string because;
+    bool choice = false;  // the viewer's
 };
 
 /// Called for by the used materials that `wanted` picks; names the first of them, those with most triangles first.
@@ -190,17 +191,16 @@ Finding byItsMaterial(const Usage& usage, const char* lack, const std::function<
 /// What the table names in its column `rule`.
 namespace rules {
 
-/// For what is the viewer's choice alone: called for wherever there is something to see.
+/// For what is the viewer's choice alone: no scene calls for it, and where there is something to see it can be had.
 Finding anywhere(const Usage& usage) {
     if (usage.triangles == 0) return {false, "no triangles"};
-    return {true, counted(usage.triangles, "triangle") + "; the viewer chooses"};
+    return {false, "the viewer chooses", true};
 }
 
 /// The same for what acts on lit surfaces.
 Finding onLitSurfaces(const Usage& usage) {
     Finding surface = litSurfaceIn(usage);
-    if (surface.calledFor) surface.because += "; the viewer chooses";
-    return surface;
+    return surface.calledFor ? Finding{false, "the viewer chooses", true} : surface;
 }
 
 Finding shadows(const Usage& usage) {
@@ -368,20 +368,20 @@ std::vector<EffectReason> explainEffects(const Scene& scene) {
     for (size_t i = 0; i < findings.size(); i++) {
         const EffectRow& row = effectRows()[i];
         reasons.push_back({std::string(row.name), row.bit, findings[i].calledFor, findings[i].because, std::string(row.setting),
-                           std::string(row.help), true});
+                           std::string(row.help), true, findings[i].choice});
     }
     for (EffectReason& row : notSimulated(scene.atRest)) reasons.push_back(std::move(row));
     return reasons;
 }
 
-EffectSet calledFor(const std::vector<EffectReason>& effects) {
-    EffectSet called;
+EffectSet possibleEffects(const std::vector<EffectReason>& effects) {
+    EffectSet possible;
     for (const EffectReason& effect : effects) {
-        if (effect.calledFor) called.bits |= effect.bit;
+        if (effect.possible()) possible.bits |= effect.bit;
     }
-    return called;
+    return possible;
 }
 
-EffectSet effectsOf(const Scene& scene) { return calledFor(explainEffects(scene)); }
+EffectSet effectsOf(const Scene& scene) { return possibleEffects(explainEffects(scene)); }
 
 }  // namespace heliograph

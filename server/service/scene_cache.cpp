@@ -181,7 +181,7 @@ std::shared_ptr<ResidentScene> SceneCache::make(const std::string& name) {
     auto resident = std::make_shared<ResidentScene>();
     resident->scene = opener_(name, [&](const std::string& what, double share) { progress(what, OPENING_SHARE * share); });
     resident->reasons = explainEffects(*resident->scene);
-    resident->effects = calledFor(resident->reasons);
+    resident->effects = possibleEffects(resident->reasons);
     resident->renderer = makeDevice_();
     resident->renderer->load(resident->scene, settings_, [&](const std::string& what, double share) {
         progress(what, OPENING_SHARE + (1.0 - OPENING_SHARE) * share);

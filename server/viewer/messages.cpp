@@ -124,6 +124,7 @@ std::string sceneReadyMessage(const std::string& name, const Scene& scene, const
     for (const EffectReason& row : reasons) {
         effects.push_back({{"name", row.name},
                            {"calledFor", row.calledFor},
+                           {"choice", row.choice},
                            {"because", row.because},
                            {"setting", row.setting},
                            {"help", row.help},
@@ -232,6 +233,8 @@ std::string effectCostsReadyMessage(const EffectCosts& costs) {
     for (const EffectCost& row : costs.rows) {
         rows.push_back({{"name", row.name},
                         {"onMs", finite(row.onMs)},
+                        {"lowMs", finite(row.lowMs)},
+                        {"highMs", finite(row.highMs)},
                         {"offMs", finite(row.offMs)},
                         {"raysOn", row.raysOn},
                         {"raysOff", row.raysOff}});

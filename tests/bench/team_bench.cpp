@@ -253,7 +253,7 @@ ordered_json benchSwitches(const Options& options) {
         settings.set("device", gpu);
         device->load(scene, settings, {});
         for (const EffectReason& effect : explainEffects(*scene)) {
-            if (!effect.calledFor || effect.setting != effect.name) continue;
+            if (!effect.possible() || effect.setting != effect.name) continue;
             json[name].push_back(switchedOn(*device, *scene, effect, gpu, options.size));
             std::fprintf(stderr, "%s: %s\n", name, json[name].back().dump().c_str());
         }

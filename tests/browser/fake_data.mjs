@@ -74,10 +74,11 @@ const NOT_CALLED_FOR = {
 export function effects() {
   const text = readFileSync(join(kernel, 'effect_table.glsl'), 'utf8');
   const table = [...text.matchAll(/^EFFECT\((.*)\)$/gm)].map((m) => {
-    const [, , name, setting, , , , , help] = words(m[1]);
+    const [, , name, setting, , , rule, , help] = words(m[1]);
     const because = NOT_CALLED_FOR[name] ?? '3 materials (brass, marble, ...), 1,204 triangles';
     const given = setting === 'none' ? '' : setting;
-    return { name, calledFor: !(name in NOT_CALLED_FOR), because, help, setting: given, simulated: true };
+    const choice = rule === 'anywhere' || rule === 'onLitSurfaces' || rule === 'path';
+    return { name, calledFor: !choice && !(name in NOT_CALLED_FOR), choice, because, help, setting: given, simulated: true };
   });
   const atRest = { because: '2 animations (walk, run); shown at rest', help: 'Objects that move in time.' };
   return [...table, { name: 'animation', calledFor: true, simulated: false, ...atRest }];
@@ -130,7 +131,10 @@ export const SCHEDULER = { endLossMs: 0.31, decisionMs: 0.042, batches: 37, reis
 /** Milliseconds and rays of each effect that is called for, on and off. */
 export function effectCosts(scene) {
   const rows = effects()
-    .filter((effect) => effect.calledFor && effect.simulated)
-    .map(({ name }, i) => ({ name, onMs: 21.4, offMs: 21.4 - 5.2 / (i + 1), raysOn: 4020800, raysOff: 4020800 - i }));
+    .filter((effect) => (effect.calledFor || effect.choice) && effect.simulated)
+    .map(({ name }, i) => ({ name, cost: 5.2 / (i + 1), fewer: i }))
+    .map(({ name, cost, fewer }) => ({
+      name, onMs: 21.4, offMs: 21.4 - cost, lowMs: 0.8 * cost, highMs: 1.3 * cost, raysOn: 4020800, raysOff: 4020800 - fewer,
+    }));
   return { type: 'effectCosts', state: 'ready', scene, device: 'embree', width: 320, height: 180, rows };
 }

@@ -46,7 +46,7 @@ TEST(Effects, WhatAnOwnSceneDoesNotCallForCostsNoRay) {
         cpu().load(scenery.scene, {}, {});
         const std::vector<EffectReason> effects = explainEffects(*scenery.scene);
         const Settings all = withAllAllowed(Settings{});
-        const EffectSet called = calledFor(effects);
+        const EffectSet called = possibleEffects(effects);
         const Picture picture = rendered(scenery, all, {called.bits & allowedEffects(all).bits});
         auto zeroUnless = [&](RayKind kind, EffectSet any) {
             if ((called.bits & allowedEffects(all).bits & any.bits) != 0) return;
@@ -64,7 +64,7 @@ TEST(Effects, WhatIsNotCalledForWouldChangeNothing) {
     for (const Scenery& scenery : sceneries()) {
         cpu().load(scenery.scene, {}, {});
         const Settings all = withAllAllowed(Settings{});
-        const EffectSet called = calledFor(explainEffects(*scenery.scene));
+        const EffectSet called = possibleEffects(explainEffects(*scenery.scene));
         const EffectSet allowed = allowedEffects(all);
         // What reads arrays that the scene does not have cannot be forced.
         uint32_t impossible = called.has(EFFECT_ENVIRONMENT_IMAGE) ? 0u : EFFECT_ENVIRONMENT_IMAGE;

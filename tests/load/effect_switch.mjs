@@ -36,7 +36,7 @@ try {
   await shown(viewer, { device, ...base });
   const waits = [];
   for (const effect of viewer.scene.effects) {
-    if (!effect.calledFor || effect.setting !== effect.name) continue;
+    if (!(effect.calledFor || effect.choice) || effect.setting !== effect.name) continue;
     await shown(viewer, { [effect.setting]: false });
     await sleep(SETTLED_MS);
     const same = await shown(viewer, { [effect.setting]: false }); // nothing new to make: the price of asking

@@ -8,6 +8,8 @@ export interface EffectCost {
   readonly name: string;
   readonly onMs: number;
   readonly offMs: number;
+  readonly lowMs: number; // least and most that it cost in one pair of frames
+  readonly highMs: number;
   readonly raysOn: number;
   readonly raysOff: number;
 }
@@ -49,6 +51,8 @@ export function effectCostsOf(fields: Fields): EffectCostsMessage {
         name: textOf(row['name']),
         onMs: numberOf(row['onMs']),
         offMs: numberOf(row['offMs']),
+        lowMs: numberOf(row['lowMs']),
+        highMs: numberOf(row['highMs']),
         raysOn: numberOf(row['raysOn']),
         raysOff: numberOf(row['raysOff']),
       };

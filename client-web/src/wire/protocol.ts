@@ -41,7 +41,8 @@ export interface NamedCamera extends Camera {
 
 export interface EffectReason {
   readonly name: string;
-  readonly calledFor: boolean;
+  readonly calledFor: boolean; // by the scene
+  readonly choice: boolean; // the viewer's alone, and there is something to see
   readonly because: string;
   readonly setting: string | null; // that switches it
   readonly help: string;
@@ -275,6 +276,7 @@ function sceneReadyOf(fields: Fields): SceneReady {
       return {
         name: textOf(effect['name']),
         calledFor: effect['calledFor'] === true,
+        choice: effect['choice'] === true,
         because: textOf(effect['because']),
         setting: textOf(effect['setting']) || null,
         help: textOf(effect['help']),

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { EffectCostModel } from '../../src/panels/effects/effect_costs.js';
-import { allows, effectFigures, effectRows, effectState } from '../../src/panels/effects/effect_rows.js';
+import { allows, costText, effectFigures, effectRows, effectState, possible } from '../../src/panels/effects/effect_rows.js';
 import type { EffectCostsMessage } from '../../src/wire/effect_costs_message.js';
 import { parseMessage, type EffectReason, type SceneReady, type SettingRow } from '../../src/wire/protocol.js';
 
@@ -59,6 +59,22 @@ test('effectState: called for, but nothing simulates it', () => {
   assert.equal(effectState(row!, true), 'not simulated: 2 skinned meshes; shown at rest');
 });
 
+test('costText: a range, and nothing finer than it', () => {
+  assert.equal(costText(1.234, 1.789), 'costs 1.2 to 1.8 ms');
+  assert.equal(costText(480.2, 513.7), 'costs 480 to 510 ms');
+  assert.equal(costText(-6269, 513), 'costs less than 7000 ms, or nothing');
+  assert.equal(costText(-3.2, -1.1), 'saves 1 to 3 ms');
+  assert.equal(costText(0, 0), '', 'the same frames: nothing was measured');
+});
+
+test('effectState: the viewer chooses', () => {
+  const all = effects([{ name: 'fog', calledFor: false, choice: true, because: 'the viewer chooses' }, { name: 'shadows', calledFor: true }]);
+  const [shadows, fog] = effectRows(all, SCHEMA);
+  assert.equal(shadows!.name, 'shadows', 'what the scene calls for stands first');
+  assert.deepEqual([effectState(fog!, true), effectState(fog!, false)], ['on: you chose it', 'off: yours to choose']);
+  assert.ok(possible(fog!));
+});
+
 test('effectFigures: rays of the kinds that one effect shoots alone, and the measured cost', () => {
   const reasons: readonly EffectReason[] = effects(
     ['shadows', 'ambientOcclusion', 'textures'].map((name) => ({ name, calledFor: true, because: '' })),
@@ -69,11 +85,11 @@ test('effectFigures: rays of the kinds that one effect shoots alone, and the mea
   assert.equal(effectFigures(occlusion!, rays, null), '1 ray');
   assert.equal(effectFigures(occlusion!, {}, null), '');
   assert.equal(effectFigures(shadows!, null, null), '');
-  const cost = { name: 'textures', onMs: 121.4, offMs: 121.5, raysOn: 7, raysOff: 12 };
-  assert.equal(effectFigures(textures!, rays, cost), 'costs -0.10 ms (121 with, 122 without) \u00b7 5 rays fewer');
+  const cost = { name: 'textures', onMs: 121.4, offMs: 121.5, lowMs: -0.42, highMs: 0.31, raysOn: 7, raysOff: 12 };
+  assert.equal(effectFigures(textures!, rays, cost), 'costs less than 0.5 ms, or nothing \u00b7 5 rays fewer');
   assert.equal(
-    effectFigures(textures!, null, { name: 'textures', onMs: 3, offMs: 1, raysOn: 30, raysOff: 10 }, 2.5),
-    'costs about 5.00 ms (7.50 with, 2.50 without) \u00b7 50 rays more',
+    effectFigures(textures!, null, { name: 'textures', onMs: 3, offMs: 1, lowMs: 1.6, highMs: 2.8, raysOn: 30, raysOff: 10 }, 2.5),
+    'costs 4 to 7 ms \u00b7 50 rays more',
     'for the pixels of the view',
   );
 });
@@ -86,7 +102,7 @@ function costs(text: object): EffectCostsMessage {
 const READY = { state: 'ready', scene: 'glass', device: 'embree', width: 320, height: 180 };
 
 test('effectCosts: read from the server, another state is refused', () => {
-  const row = { name: 'shadows', onMs: 2, offMs: 1, raysOn: 20, raysOff: 10 };
+  const row = { name: 'shadows', onMs: 2, offMs: 1, lowMs: 0.5, highMs: 1.5, raysOn: 20, raysOff: 10 };
   assert.deepEqual(costs({ ...READY, rows: [row] }), { type: 'effectCosts', ...READY, scale: 1, rows: [row] });
   assert.deepEqual(costs({ ...READY, scale: 4.5, rows: [] }), { type: 'effectCosts', ...READY, scale: 4.5, rows: [] });
   assert.deepEqual(costs({ state: 'measuring', share: 0.25 }), {

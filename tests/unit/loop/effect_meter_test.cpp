@@ -96,8 +96,17 @@ TEST(EffectMeter, MeasuresEachEffectOnAndOff) {
     EXPECT_EQ(costs.rows[3].raysOn, 2 * pixels);
     EXPECT_EQ(costs.rows[3].raysOff, 2 * pixels) << "not called for";
     EXPECT_EQ(costs.rows[3].onMs, costs.rows[3].offMs);
+    EXPECT_EQ(costs.rows[3].highMs, 0.0);
+    EXPECT_LE(costs.rows[0].lowMs, costs.rows[0].highMs);
     for (const EffectCost& row : costs.rows) EXPECT_GT(row.onMs, 0.0) << row.name;
     EXPECT_GT(turns.used({}).all, 0.0) << "it took turns";
+}
+
+TEST(EffectMeter, TheRangeIsThatOfThePairs) {
+    const double on[] = {10.0, 30.0, 12.0}, off[] = {9.0, 29.5, 8.0};
+    EXPECT_EQ(pairRange(on, off).low, 0.5) << "what slows a whole pair down is in neither end";
+    EXPECT_EQ(pairRange(on, off).high, 4.0);
+    EXPECT_EQ(pairRange({}, {}).high, 0.0);
 }
 
 TEST(EffectMeter, ANewerOrderReplacesTheOneUnderWay) {
@@ -151,9 +160,9 @@ TEST(EffectMeter, TheSizeFollowsFromSpeedAndTime) {
     EXPECT_EQ(measuredSize(uvec2(1280, 720), 1e-9, 100, 1.0), uvec2(1280, 720)) << "no more than the film";
     EXPECT_EQ(measuredSize(uvec2(7680, 4320), 1e-12, 1, 1.0), uvec2(1920, 1080));
     EXPECT_EQ(measuredSize(uvec2(1280, 720), 1e-7, 100, 1.0), uvec2(422, 237)) << "100,000 pixels a frame";
-    EXPECT_EQ(measuredSize(uvec2(1280, 720), 1.0, 100, 1.0), uvec2(64, 36)) << "never nothing";
+    EXPECT_EQ(measuredSize(uvec2(1280, 720), 1.0, 100, 1.0), uvec2(256, 144)) << "never nothing";
     EXPECT_EQ(measuredSize(uvec2(20, 10), 1.0, 100, 1.0), uvec2(20, 10));
-    EXPECT_EQ(measuredSize(uvec2(8000, 16), 1.0, 100, 1.0), uvec2(64, 1));
+    EXPECT_EQ(measuredSize(uvec2(8000, 16), 1.0, 100, 1.0), uvec2(256, 1));
     EXPECT_EQ(measuredSize(uvec2(1280, 720), 0.0, 100, 1.0), uvec2(1280, 720));
 }
 

@@ -31,11 +31,11 @@ TEST(EffectPair, OnAndOffDifferInTheEffectsBitAlone) {
     const std::vector<EffectPair> pairs = effectPairs(effects, request());
     ASSERT_EQ(pairs.size(), effectNames({~0u}).size()) << "one a row of the table";
     for (const EffectPair& pair : pairs) {
-        EXPECT_EQ(pair.on.effects.bits & ~pair.off.effects.bits, pair.effect.calledFor ? pair.effect.bit : 0u)
+        EXPECT_EQ(pair.on.effects.bits & ~pair.off.effects.bits, pair.effect.possible() ? pair.effect.bit : 0u)
             << pair.effect.name;
         EXPECT_EQ(pair.off.effects.bits & ~pair.on.effects.bits, 0u) << pair.effect.name;
         EXPECT_EQ(pair.on.settings, pair.off.settings) << pair.effect.name;
-        EXPECT_EQ(pair.differs(), pair.effect.calledFor) << pair.effect.name;
+        EXPECT_EQ(pair.differs(), pair.effect.possible()) << pair.effect.name;
     }
 }
 
@@ -57,7 +57,8 @@ TEST(EffectPair, AllowingAllAsksForNothingThatTheSceneDoesNotCallFor) {
     for (const auto& scene : {glassScene(), test::squareScene()}) {
         const std::vector<EffectReason> effects = explainEffects(*scene);
         const Settings all = withAllAllowed(Settings{}), few = withOnlyCalledFor(all, effects);
-        EXPECT_EQ(calledFor(effects).bits & allowedEffects(all).bits, calledFor(effects).bits & allowedEffects(few).bits);
+        EXPECT_EQ(possibleEffects(effects).bits & allowedEffects(all).bits,
+                  possibleEffects(effects).bits & allowedEffects(few).bits);
         EXPECT_EQ(few.refractions, scene->materials.back().transmission > 0.0f);
         EXPECT_TRUE(few.shadows);
     }

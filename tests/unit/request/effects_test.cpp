@@ -42,6 +42,17 @@ TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
         << "the last ones are the viewer's choice";
 }
 
+TEST(EffectSet, WhatTheViewerChoosesIsNotCalledFor) {
+    const auto scene = squareScene();
+    for (uint32_t bit :
+         {EFFECT_AMBIENT_OCCLUSION, EFFECT_DEPTH_OF_FIELD, EFFECT_FOG, EFFECT_MOTION_BLUR, EFFECT_INDIRECT_LIGHT}) {
+        const EffectReason reason = reasonFor(*scene, bit);
+        EXPECT_FALSE(reason.calledFor) << reason.name;
+        EXPECT_TRUE(reason.choice && reason.possible()) << reason.name;
+    }
+    EXPECT_TRUE(reasonFor(*scene, EFFECT_SHADOWS).calledFor);
+}
+
 TEST(EffectSet, OneRowPerEffectOfTheTableInItsOrder) {
     std::vector<EffectReason> reasons = explainEffects(*squareScene());
     std::vector<std::string> names;

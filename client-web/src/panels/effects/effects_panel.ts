@@ -2,9 +2,10 @@
 // on demand, the milliseconds they cost.
 
 import { el, icon, setText, uniqueId } from '../../page/dom.js';
-import { allows, effectFigures, effectRows, effectState, type EffectRow } from './effect_rows.js';
+import { allows, effectFigures, effectRows, effectState, possible, type EffectRow } from './effect_rows.js';
 import type { Panel } from '../panel.js';
 import { percent } from '../../page/format.js';
+import { recall, remember } from '../../page/storage.js';
 import type { EffectReason, SettingRow } from '../../wire/protocol.js';
 import type { Viewer } from '../../viewer.js';
 import './effects_panel.css';
@@ -34,8 +35,8 @@ export class EffectsPanel {
     const effects = this.viewer_.state.ready?.effects ?? [];
     const schema = this.viewer_.settings.rows;
     if (this.builtOf_?.[0] !== effects || this.builtOf_[1] !== schema) this.build(effects, schema);
-    const can = this.items_.filter(({ row }) => row.simulated);
-    const on = can.filter(({ row }) => row.calledFor && this.allowed(row)).length;
+    const can = this.items_.filter(({ row }) => possible(row));
+    const on = can.filter(({ row }) => this.allowed(row)).length;
     setText(this.panel_.summary, effects.length === 0 ? 'no scene yet' : `${on} of ${can.length} on`);
     if (!this.panel_.isOpen) return;
     const rays = this.viewer_.state.stats?.rays ?? null;
@@ -69,7 +70,8 @@ export class EffectsPanel {
     this.lists_.replaceChildren(
       list('Called for by this scene', (row) => row.calledFor && row.simulated),
       list('Called for, not simulated', (row) => row.calledFor && !row.simulated),
-      list('Not called for', (row) => !row.calledFor),
+      list('Yours to choose', (row) => row.choice && row.simulated),
+      folded(list('Of no use in this scene', (row) => !row.calledFor && !row.choice)),
     );
   }
 
@@ -90,10 +92,21 @@ export class EffectsPanel {
     const { device, width, height, scale } =
       state.name === 'ready' ? state.costs : { device: '', width: 0, height: 0, scale: 1 };
     const scaled = scale > 1 ? '; for one sample a pixel of this view' : '';
-    const measured = `Measured on ${device} at ${width} × ${height} pixels, with and without each effect${scaled}.`;
+    const measured = `Measured on ${device} at ${width} × ${height} pixels, in pairs of frames with and without each effect${scaled}.`;
     setText(this.remark_, state.name === 'ready' ? measured : '');
     this.refresh();
   }
+}
+
+/** What does nothing now takes one line until it is opened. */
+function folded(section: HTMLElement | string): HTMLElement | string {
+  if (typeof section === 'string') return section;
+  const rows = section.querySelectorAll('li').length;
+  const summary = el('summary', {}, el('span', {}, `Of no use in this scene: ${rows}`), icon('chevron'));
+  section.querySelector('h3')?.setAttribute('hidden', ''); // the summary says it
+  const details = el('details', { class: 'idle-effects', open: recall('effects.idle') === 'open' }, summary, section);
+  details.addEventListener('toggle', () => remember('effects.idle', details.open ? 'open' : 'folded'));
+  return details;
 }
 
 /** One effect in the list. */
@@ -129,7 +142,7 @@ class EffectItem {
 
   show(allowed: boolean, figures: string): void {
     if (this.switch_ !== null) this.switch_.checked = allowed;
-    const on = this.row.calledFor && this.row.simulated && allowed;
+    const on = possible(this.row) && allowed;
     this.element.classList.toggle('on', on);
     setText(this.state_, effectState(this.row, allowed));
     setText(this.figures_, figures);
