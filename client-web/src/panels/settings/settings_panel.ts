@@ -5,9 +5,11 @@ import { FIELD_OF_VIEW_HIGH, FIELD_OF_VIEW_LOW } from '../../camera/camera.js';
 import { el, icon, iconButton, setText } from '../../page/dom.js';
 import { withoutUse } from './hybrid_rows.js';
 import type { Panel } from '../panel.js';
-import type { SettingRow } from '../../wire/protocol.js';
+import type { SettingRow, SettingValue } from '../../wire/protocol.js';
 import { RESOLUTION_MODES, sizeText, type ResolutionMode } from '../../picture/resolution.js';
+import { matches, presetOf, presetValues } from './presets.js';
 import { SettingField } from './settings_field.js';
+import { SettingsTools } from './settings_tools.js';
 import { recall, remember } from '../../page/storage.js';
 import type { Viewer } from '../../viewer.js';
 import './settings_panel.css';
@@ -43,6 +45,7 @@ const DEFAULT_RESOLUTION: ResolutionMode = 'capped';
 
 export class SettingsPanel {
   private readonly fields_ = new Map<string, SettingField>();
+  private readonly tools_: SettingsTools;
   private fieldOfView_: SettingField | null = null;
   private fieldOfViewRow_ = FIELD_OF_VIEW_ROW;
   private resolution_ = el('span', { class: 'resolution' });
@@ -54,6 +57,11 @@ export class SettingsPanel {
     private readonly panel_: Panel,
     private readonly viewer_: Viewer,
   ) {
+    const start = (row: SettingRow): SettingValue => viewer_.settings.default(row);
+    this.tools_ = new SettingsTools(
+      (preset) => viewer_.setSettings(presetValues(preset, viewer_.settings.rows, start)),
+      () => this.filter(),
+    );
     panel_.body.append(el('p', { class: 'muted' }, 'The settings appear when the server answers.'));
     viewer_.on(['hello'], () => this.build());
     viewer_.on(['settings'], () => this.refresh());
@@ -79,6 +87,7 @@ export class SettingsPanel {
       ],
     }));
     this.panel_.body.replaceChildren(
+      this.tools_.element,
       ...groups
         .filter(({ fields }) => fields.length > 0)
         .map(({ name, fields }) => this.group(name, TITLES[name] ?? name, fields)),
@@ -101,7 +110,9 @@ export class SettingsPanel {
       el('summary', {}, el('span', {}, title), icon('chevron')),
       el('div', { class: 'fields' }, ...fields),
     );
-    details.addEventListener('toggle', () => remember(key, details.open ? 'open' : 'folded'));
+    details.addEventListener('toggle', () => {
+      if (!details.classList.contains('searched')) remember(key, details.open ? 'open' : 'folded');
+    });
     return details;
   }
 
@@ -191,6 +202,33 @@ export class SettingsPanel {
       field.setDisabled(!this.viewer_.watching.maySet([row.name]));
       if (row.group === 'hybrid') this.refreshHybrid(row, field);
     }
+    this.filter();
+  }
+
+  /** Leaves the rows that are searched for; groups without any go, and those with some are opened. */
+  private filter(): void {
+    const model = this.viewer_.settings;
+    const { search, onlyDiffering } = this.tools_;
+    const filters = search !== '' || onlyDiffering;
+    const differing = model.rows.filter((row) => !model.isDefault(row));
+    const fits = (row: SettingRow): boolean => matches(row, search) && (!onlyDiffering || differing.includes(row));
+    for (const row of model.rows) this.fields_.get(row.name)?.element.toggleAttribute('hidden', !fits(row));
+    for (const own of this.panel_.body.querySelectorAll('[data-setting=fieldOfView], [data-setting=resolution]'))
+      own.toggleAttribute('hidden', onlyDiffering || !(own.textContent ?? '').toLowerCase().includes(search.toLowerCase()));
+    const shown = this.panel_.body.querySelectorAll('.field:not([hidden])').length;
+    for (const group of this.panel_.body.querySelectorAll('details')) {
+      group.hidden = group.querySelector('.field:not([hidden])') === null;
+      group.classList.toggle('searched', filters); // what a search opens is not remembered
+      if (filters && !group.open) group.dataset['folded'] = '';
+      if (filters) group.open = true;
+      else if ('folded' in group.dataset) {
+        delete group.dataset['folded'];
+        group.open = false;
+      }
+    }
+    const start = (row: SettingRow): SettingValue => model.default(row);
+    const preset = presetOf(model.rows, start, (name) => model.value(name));
+    this.tools_.show(preset, differing.length, shown, this.viewer_.watching.active);
   }
 
   private refreshHybrid(row: SettingRow, field: SettingField): void {
@@ -205,7 +243,7 @@ export class SettingsPanel {
     for (const row of this.viewer_.settings.rows) {
       if (row.effect === '' || row.type !== 'bool') continue;
       const reason = effects.find((effect) => effect.name === row.effect);
-      const idle = reason !== undefined && !reason.calledFor;
+      const idle = reason !== undefined && !reason.calledFor && !reason.choice;
       this.fields_.get(row.name)?.setNote(idle ? `No use in this scene: ${reason.because}` : null);
     }
   }
