@@ -19,7 +19,7 @@ public:
 /// The quantizer (0 finest to 63) whose pictures look as good as JPEG of that quality, 1..100.
 uint32_t vp9Quantizer(uint32_t quality);
 
-/// For one thread at a time, and on that one alone. Memory is taken with the first picture: some 30 bytes a pixel.
+/// For one thread at a time, and on that one alone. Memory is taken with the first picture: 18 MB at 320x180, 78 MB at 1280x720.
 std::unique_ptr<VideoEncoder> makeVp9Encoder();
 
 }  // namespace heliograph

@@ -9,8 +9,9 @@
 namespace heliograph {
 
 /// What a pixel of a picture may take while it is made into bytes for one viewer, in bytes: linear and tone-mapped values, the
-/// picture that is kept to be sent without loss, the coded picture (EXR at worst) in the maker and twice on its way.
-constexpr uint64_t CODING_BYTES_A_PIXEL = 16 + 2 * 4 + 3 * 16;
+/// picture that is kept to be sent without loss, the coded picture (EXR at worst) in the maker and twice on its way,
+/// the encoder of a video (measured at 1280x720).
+constexpr uint64_t CODING_BYTES_A_PIXEL = 16 + 2 * 4 + 3 * 16 + 84;
 /// What a pixel of a view may take at once, in bytes: three films with double sums, that of the effect meter, its part of a
 /// device's download, and the bytes that are made of it for who drives. Who watches has the coding for itself, and that alone.
 constexpr uint64_t VIEW_BYTES_A_PIXEL = 3 * 48 + 48 + 16 + CODING_BYTES_A_PIXEL;

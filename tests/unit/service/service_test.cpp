@@ -231,8 +231,8 @@ TEST(Service, TheBytesMadeForWhoWatchesAreOfTheSameMemory) {
     const int port = s.service.port();
     Viewer a(port);
     const std::string view = a.untilText("hello")["view"];
-    a.size(140, 140, 1);
-    EXPECT_EQ(a.untilInput(1).fullSize, uvec2(140, 140));
+    a.size(130, 130, 1);
+    EXPECT_EQ(a.untilInput(1).fullSize, uvec2(130, 130));
     std::deque<Viewer> watchers;
     int inside = 0;
     for (; inside < 7; inside++) {
@@ -241,10 +241,10 @@ TEST(Service, TheBytesMadeForWhoWatchesAreOfTheSameMemory) {
         b.say({{"type", "watch"}, {"view", view}, {"inputId", 40}});
         if (b.waiting("error") > 0) break;
     }
-    EXPECT_EQ(inside, 1) << "19,600 pixels, a quarter of that for each who watches, and what is guaranteed to the others";
+    EXPECT_EQ(inside, 1) << "16,900 pixels, three sevenths of that for each who watches, and what is guaranteed to the others";
     EXPECT_THAT(WebClient(port).get("/metrics").body,
                 HasSubstr("heliograph_picture_memory_bytes " +
-                          std::to_string(19'600 * (VIEW_BYTES_A_PIXEL + CODING_BYTES_A_PIXEL)) + "\n"));
+                          std::to_string(16'900 * (VIEW_BYTES_A_PIXEL + CODING_BYTES_A_PIXEL)) + "\n"));
 }
 
 TEST(Service, AFirstSceneThatFailsIsTold) {
