@@ -176,7 +176,8 @@ function start(): void {
   attachMessages(viewer, toasts, announce);
 
   const group: Panel[] = [];
-  const statistics = new Panel('statistics', 'Statistics', group);
+  const roomy = window.matchMedia('(min-width: 1281px) and (min-height: 721px)').matches; // else too little picture is left
+  const statistics = new Panel('statistics', 'Statistics', group, roomy);
   const settings = new Panel('settings', 'Settings', group);
   const effects = new Panel('effects', 'Effects', group, false);
   new StatsPanel(statistics, viewer);

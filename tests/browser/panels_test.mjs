@@ -94,6 +94,46 @@ async function words(checks, session) {
   });
 }
 
+async function searching(checks, session) {
+  const { page } = session;
+  const panel = page.locator('#settings-panel');
+  const shown = () => panel.locator('.field:not([hidden])').evaluateAll((rows) => rows.map((row) => row.dataset.setting));
+  await checks.check('a search leaves the rows that it means, and what is changed stands alone', async () => {
+    const all = (await shown()).length;
+    await panel.getByRole('searchbox').fill('fog density');
+    expect((await shown()).join() === 'fogDensity', `shown: ${await shown()}`);
+    await page.keyboard.press('Escape');
+    expect((await shown()).length === all, 'Escape does not clear the search');
+    await panel.locator('.differing').click();
+    expect((await shown()).length === 0, `changed: ${await shown()}`);
+    await page.evaluate(() => document.querySelector('#settings-panel select').focus());
+    await panel.getByLabel('Preset').selectOption('exact');
+    await until('the preset', 5000, async () => (await session.state()).settings.samples === 1024);
+    const rows = await shown();
+    expect(rows.includes('samples') && !rows.includes('exposure'), `changed: ${rows}`);
+    await panel.getByLabel('Preset').selectOption('balanced');
+    await until('the start', 5000, async () => (await session.state()).settings.samples === 64);
+    expect((await shown()).length === 0, `changed after balanced: ${await shown()}`);
+    await panel.locator('.differing').click();
+  });
+}
+
+async function firstSight(checks) {
+  const session = new Session();
+  try {
+    await checks.check('at 1280 x 720 panels cover at most 30 % at first sight', async () => {
+      await session.start({ width: 1280, height: 720 });
+      const covered = await session.page.evaluate(() =>
+        [...document.querySelectorAll('.panel')]
+          .map((panel) => panel.getBoundingClientRect())
+          .reduce((sum, { width, height }) => sum + width * height, 0) / (innerWidth * innerHeight));
+      expect(covered > 0.05 && covered <= 0.3, `${covered}`);
+    });
+  } finally {
+    await session.stop();
+  }
+}
+
 async function looks(checks, session) {
   const { page } = session;
   await checks.check('in forced colours switches, sliders and pressed buttons are seen', async () => {
@@ -150,6 +190,7 @@ export async function panelChecks(checks) {
     await words(checks, session);
     await numbers(checks, session);
     await keyboard(checks, session);
+    await searching(checks, session);
     await looks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (panels)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));
@@ -157,6 +198,7 @@ export async function panelChecks(checks) {
   } finally {
     await session.stop();
   }
+  await firstSight(checks);
 }
 
 if (import.meta.url === pathToFileURL(process.argv[1]).href) {
