@@ -17,6 +17,7 @@ import { knowDevices } from './panels/device_colors.js';
 import { displayName, fileName } from './page/scene_name.js';
 import { SettingsPanel, storedResolutionMode } from './panels/settings/settings_panel.js';
 import { StatsPanel } from './panels/statistics/stats_panel.js';
+import { copyPicture } from './page/copy_picture.js';
 import { recall, remember } from './page/storage.js';
 import { Toasts } from './page/toast.js';
 import { Dock, SceneBar, type DockHooks, type SceneBarHooks } from './page/toolbar.js';
@@ -60,7 +61,15 @@ async function share(viewer: Viewer, toasts: Toasts): Promise<void> {
   }
 }
 
-const sharing = (viewer: Viewer, toasts: Toasts): Pick<DockHooks, 'share' | 'saveTrace'> => ({
+async function copy(toasts: Toasts): Promise<void> {
+  const shown = document.querySelector<HTMLCanvasElement>('body > canvas');
+  const done = shown !== null && (await copyPicture(shown));
+  if (done) toasts.show('notice', 'The picture is in the clipboard.');
+  else toasts.show('error', 'The browser does not let this page copy pictures. Save it instead (F3).');
+}
+
+const sharing = (viewer: Viewer, toasts: Toasts): Pick<DockHooks, 'share' | 'saveTrace' | 'copyPicture'> => ({
+  copyPicture: () => void copy(toasts),
   share: () => void share(viewer, toasts),
   saveTrace: () => void toasts.show('notice', `Saved ${saveTrace(viewer)}`),
 });

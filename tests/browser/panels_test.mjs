@@ -118,6 +118,23 @@ async function searching(checks, session) {
   });
 }
 
+async function copying(checks, session) {
+  const { page } = session;
+  await checks.check('the picture is copied to the clipboard as it is shown', async () => {
+    await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+    await page.locator('.dock').getByRole('button', { name: 'Save' }).click();
+    await page.getByRole('menuitem', { name: 'Copy' }).click();
+    await page.getByText('The picture is in the clipboard.').waitFor({ timeout: 5000 });
+    const [copied, shown] = await page.evaluate(async () => {
+      const [item] = await navigator.clipboard.read();
+      const picture = await createImageBitmap(await item.getType('image/png'));
+      const canvas = document.querySelector('body > canvas');
+      return [`${picture.width} x ${picture.height}`, `${canvas.width} x ${canvas.height}`];
+    });
+    expect(copied === shown, `${copied} copied of ${shown}`);
+  });
+}
+
 async function firstSight(checks) {
   const session = new Session();
   try {
@@ -191,6 +208,7 @@ export async function panelChecks(checks) {
     await numbers(checks, session);
     await keyboard(checks, session);
     await searching(checks, session);
+    await copying(checks, session);
     await looks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (panels)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));

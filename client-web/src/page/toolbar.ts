@@ -184,6 +184,7 @@ class InfoPopover {
 export interface DockHooks {
   share(): void;
   saveTrace(): void;
+  copyPicture(): void;
   help(): void;
   hide(): void;
 }
@@ -245,6 +246,7 @@ export class Dock {
       { label: 'PNG', description: 'The picture as shown, at full resolution', hint: 'F3', choose: save('png') },
       { label: 'EXR', description: 'The film as floats, linear, before exposure and tone curve', choose: save('exr') },
       { label: 'JPEG', description: 'The picture as shown, small', choose: save('jpg') },
+      { label: 'Copy', description: 'The picture as shown here, into the clipboard', choose: () => this.hooks_.copyPicture() },
       { label: 'Link to this view', description: 'Who opens it watches what you see', choose: () => this.hooks_.share() },
       {
         label: 'Trace',
