@@ -74,6 +74,7 @@ async function watchesFrames(checks, address, driver, watcher) {
     const [a, b] = [(await driver.state()).lastFrame, (await watcher.state()).lastFrame];
     expect(a.width === b.width && a.height === b.height, `${b.width} x ${b.height} instead of ${a.width} x ${a.height}`);
     expect((await watcher.state()).settings.samples === 4, 'the driver\u2019s settings are not told');
+    await driver.page.locator('.dock').getByRole('button', { name: 'Stats' }).click(); // folded at first in so small a window
     await until('the number of watchers', 5000, () => driver.page.getByText('2 (1 watches this view)').count());
   });
   await checks.check('who watches sees what the driver does', async () => {
