@@ -27,7 +27,7 @@ EFFECT(17, EFFECT_DEPTH_OF_FIELD, depthOfField, depthOfField, 0, aperture, anywh
 EFFECT(18, EFFECT_FOG, fog, fog, 0, fogDensity, anywhere, spread, "The air dims what is far and shows the light that falls through it.")
 EFFECT(19, EFFECT_GLOSSY_REFLECTIONS, glossyReflections, glossyReflections, EFFECT_REFLECTIONS, none, glossyReflections, spread, "Surfaces between smooth and rough reflect blurred.")
 EFFECT(20, EFFECT_MOTION_BLUR, motionBlur, motionBlur, 0, shutter, anywhere, spread, "A moving camera blurs the picture along its way.")
-EFFECT(21, EFFECT_INDIRECT_LIGHT, indirectLight, indirectLight, 0, none, onLitSurfaces, spread, "Surfaces light each other: one bounce instead of the ambient light.")
+EFFECT(21, EFFECT_INDIRECT_LIGHT, indirectLight, indirectLight, 0, none, onLitSurfaces, spread, "Surfaces light each other: bounces of light instead of the ambient light.")
 EFFECT(22, EFFECT_FILTERED_ENVIRONMENT, filteredEnvironment, environment, EFFECT_ENVIRONMENT_IMAGE, none, filteredEnvironment, sharp, "Rough surfaces reflect the environment image from levels that are blurred by their lobe, and diffuse ones its irradiance.")
 EFFECT(23, EFFECT_ENVIRONMENT_LIGHT, environmentLight, environmentLight, EFFECT_ENVIRONMENT_IMAGE, none, environmentLight, everything, "Bright places of the environment image, as a sun, light the scene and throw shadows: one ray a visible point.")
 EFFECT(24, EFFECT_SURFACE_LIGHTS, surfaceLights, surfaceLights, 0, none, surfaceLights, everything, "Glowing surfaces light others: one ray a visible point, to a place that is chosen by power.")

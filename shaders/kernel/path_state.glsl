@@ -12,6 +12,8 @@
 UINT_CONSTANT(RAY_PRIMARY, 0u)
 UINT_CONSTANT(RAY_REFLECTION, 1u)
 UINT_CONSTANT(RAY_REFRACTION, 2u)
+UINT_CONSTANT(RAY_KIND_BITS, 0x03000000u)       // of PathState.depth
+UINT_CONSTANT(ONE_DIFFUSE_BOUNCE, 0x04000000u)  // the same
 UINT_CONSTANT(MAX_ALPHA_LAYERS, 16u)   // blended surfaces in a row; the rest is estimated
 UINT_CONSTANT(MAX_SHADOW_SURFACES, 64u) // transparent surfaces a shadow ray passes; more count as opaque
 UINT_CONSTANT(NEXT_REFLECTION, 1u)
@@ -26,7 +28,8 @@ struct PathState {
     vec3 direction;     // unit
     float coneSpread;   // radians
     vec3 throughput;    // weight in the pixel
-    uint depth;         // reflections | refractions << 8 | alpha layers << 16 | DIFFUSED | ray kind << 24
+    uint depth;         // reflections | refractions << 8 | alpha layers << 16 | DIFFUSED | ray kind << 24 | diffuse
+                        // bounces << 26
     uint medium;        // material the ray travels in + 1, 0 = air
     uint salt;          // tells the vertices of one sample apart, for random numbers
     float lobe;         // > 0: density with which its direction was chosen, per steradian, where rays to sampled lights share
@@ -37,7 +40,8 @@ struct PathState {
 uint reflectionDepth(uint depth) { return depth & 255u; }
 uint refractionDepth(uint depth) { return (depth >> 8) & 255u; }
 uint alphaDepth(uint depth) { return (depth >> 16) & 127u; }
-uint rayKindOf(uint depth) { return depth >> 24; }
+uint rayKindOf(uint depth) { return (depth & RAY_KIND_BITS) >> 24; }
+uint diffuseBounces(uint depth) { return depth >> 26; }  // of the interactive integrator alone
 uint bounces(uint depth) { return reflectionDepth(depth) + refractionDepth(depth); }
 bool sharesLight(IN(PathState) p) { return p.lobe > 0.0f && p.lobe < FLOAT_MAX; }
 

@@ -241,7 +241,7 @@ uint followReflection(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 weight
     if (ANY(ends)) radiance = SELECT(ends, radiance + estimatedRadiance(direction, p.coneSpread, weight), radiance);
     next = continuedPath(p, s, direction, weight, 1.0f, 1u);
     next.lobe = reflectedLobe(m, -p.direction);
-    next.depth = ((p.depth + 1u) & 0x00ffffffu) | (RAY_REFLECTION << 24);
+    next.depth = ((p.depth + 1u) & ~RAY_KIND_BITS) | (RAY_REFLECTION << 24);
     return SELECT(some && follow, uint(NEXT_REFLECTION), uint(0u));
 }
 
@@ -284,7 +284,7 @@ uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 arrivi
     } else {
         goOn(p, s, next);
     }
-    next.depth = ((p.depth + 256u) & 0x00ffffffu) | (RAY_REFRACTION << 24);
+    next.depth = ((p.depth + 256u) & ~RAY_KIND_BITS) | (RAY_REFRACTION << 24);
     next.medium = SELECT(solid, SELECT(s.side > 0.0f, s.material + 1u, uint(0u)), p.medium);
     return SELECT(follow, uint(NEXT_REFRACTION), uint(0u));
 }
@@ -370,7 +370,7 @@ uint nextRays(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput, IN
 uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput,
                  OUT(PathState) next) {
     vec3 weight = throughput * m.diffuse * m.alpha;
-    bool follow = (p.depth & DIFFUSED) == 0u && maxComponent(weight) > FRAME.contributionThreshold;
+    bool follow = diffuseBounces(p.depth) < FRAME.indirectBounces && maxComponent(weight) > FRAME.contributionThreshold;
     if (HAS(EFFECT_PATH)) follow = bounces(p.depth) < FRAME.maxBounces && maxComponent(weight) > 0.0f;
     vec3 tangent;
     vec3 bitangent;
@@ -381,8 +381,9 @@ uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surf
     next.salt = hashUint(p.salt + INDIRECT_SALT);
     next.coneSpread = INDIRECT_SPREAD;
     next.lobe = max(dot(m.normal, direction), 1.0e-6f) * INV_PI;
-    uint depth = p.depth & 0x00ffffffu;
+    uint depth = p.depth & ~RAY_KIND_BITS;
     if (HAS(EFFECT_PATH)) depth = depth + 1u;
+    else depth = depth + ONE_DIFFUSE_BOUNCE;
     next.depth = depth | DIFFUSED | (RAY_REFLECTION << 24);
     return SELECT(follow, uint(NEXT_INDIRECT), uint(0u));
 }

@@ -36,6 +36,24 @@ TEST(IndirectLight, AGlowingRoomAddsOneBounce) {
     EXPECT_EQ(render(scene, lookAt(vec3(0.0f), vec3(1, 0, 0)), indirect(false)).stats.rays[RayKind::reflection], 0u);
 }
 
+// Each further bounce adds its term of the sum, for a ray each; darkness stands for what comes after.
+TEST(IndirectLight, BouncesAddTheirTerms) {
+    SceneBuilder builder = darkness();
+    Material wall = paint(vec3(0.6f));
+    wall.emission = vec4(0.5f, 0.5f, 0.5f, 0.0f);
+    place(builder, insideOut(box(vec3(-2), vec3(2), builder.addMaterial(wall, "wall"))));
+    const auto scene = builder.finish();
+    double sum = 0.5 * 1.6, term = 0.5 * 0.6;
+    for (uint32_t bounces : {2u, 3u, 4u}) {
+        Settings settings = indirect();
+        settings.indirectBounces = bounces;
+        const Picture picture = render(scene, lookAt(vec3(0.3f, 0.2f, 0.1f), vec3(1, 0.3f, -1), 70.0f), settings, 2);
+        sum += term *= 0.6;
+        for (uint32_t i = 0; i < 97; i += 8) ASSERT_NEAR(picture.at(i, 96 - i).x, sum, 1e-5) << bounces << ' ' << i;
+        EXPECT_EQ(picture.stats.rays[RayKind::reflection], bounces * 2u * 97u * 97u);
+    }
+}
+
 // A glowing wall of height 1 and great length at distance d lights the floor by its form factor (1 - cos a) / 2.
 TEST(IndirectLight, AGlowingWallLightsTheFloorByItsFormFactor) {
     SceneBuilder builder = darkness();

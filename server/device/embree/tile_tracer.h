@@ -186,8 +186,9 @@ private:
             return;
         }
         for (uint32_t i = 0; i < arena_.activeCount; i++)
-            count(arena_.path.depth[arena_.active[i]] >> 24 == KernelType::RAY_REFLECTION ? RayKind::reflection
-                                                                                          : RayKind::refraction,
+            count((arena_.path.depth[arena_.active[i]] & KernelType::RAY_KIND_BITS) >> 24 == KernelType::RAY_REFLECTION
+                      ? RayKind::reflection
+                      : RayKind::refraction,
                   1);
     }
 

@@ -1,6 +1,6 @@
-// One bounce of indirect light: the diffuse part of a surface looks along one ray a sample, spread by the cosine, instead of
-// taking the ambient light. What the ray meets is lit by the lights and glows; its own surroundings are the ambient light
-// again. After Kajiya, "The Rendering Equation" (1986), cut after the first diffuse bounce; paths go on.
+// Indirect light: the diffuse part of a surface looks along one ray a sample, spread by the cosine, instead of taking the
+// ambient light. What the ray meets is lit by the lights and glows; after FRAME.indirectBounces of them its own surroundings
+// are the ambient light again. After Kajiya, "The Rendering Equation" (1986), cut there; paths go on.
 
 UINT_CONSTANT(INDIRECT_SALT, 0x626f756eu)
 UINT_CONSTANT(DIFFUSED, 0x00800000u)      // in PathState.depth: the path has bounced off a diffuse surface

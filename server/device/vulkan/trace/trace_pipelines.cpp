@@ -37,7 +37,7 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
     uint32_t passes = layers > 0 ? 1 : 0;
     uint32_t waiting = refractions * (reflects + passes) + layers * reflects;
     uint32_t last = reflects + passes + (refractions > 0 ? 1 : 0);
-    // Indirect light leaves one more at every surface up to the first diffuse bounce.
+    // Indirect light leaves one more at every surface that another ray goes on from; its own, traced last, leave none.
     if (effects.has(EFFECT_INDIRECT_LIGHT)) waiting += 1 + (reflects > 0 ? settings.maxReflections : 0) + refractions + layers;
     uint32_t size = waiting + last;
     return size <= 1 ? 1 : size <= 4 ? 4 : roundUp(size, 8);
