@@ -2,6 +2,7 @@
 
 #include "server/base/log.h"
 
+#include <system_error>
 #include <utility>
 
 namespace heliograph {
@@ -15,9 +16,9 @@ double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::s
 }  // namespace
 
 FrameLoop::FrameLoop(Turns& turns, FrameReceiver& receiver, FilmPool films)
-    : turns_(turns), receiver_(receiver), passes_(turns), film_(std::move(films)), thread_([this](std::stop_token stop) {
-          run(stop);
-      }) {}
+    : turns_(turns), receiver_(receiver), passes_(turns), film_(std::move(films)), thread_([this] { return turn(); }) {
+    thread_.call();  // where there is no thread for a view, its viewer hears so at the door
+}
 
 FrameLoop::~FrameLoop() { stop(); }
 
@@ -27,9 +28,12 @@ void FrameLoop::tell(Change change) {
     {
         std::lock_guard lock(mutex_);
         change();
-        news_++;
     }
-    changed_.notify_all();
+    try {
+        thread_.call();
+    } catch (const std::system_error&) {
+        receiver_.failed("the system has no thread to draw with; the next input tries again");
+    }
 }
 
 void FrameLoop::show(const ViewRequest& request) {
@@ -89,7 +93,6 @@ void FrameLoop::wake() {
 }
 
 void FrameLoop::stop() {
-    thread_.request_stop();
     std::lock_guard lock(mutex_);
     stopped_ = true;
     if (pass_.running) pass_.stop.request_stop();
@@ -105,19 +108,17 @@ std::optional<RunningStage> FrameLoop::stage(uint32_t viewer) const {
     return stages_.running(viewer);
 }
 
-void FrameLoop::run(std::stop_token stop) {
-    while (!stop.stop_requested()) {
-        uint64_t seen = 0;
-        bool worked = false;
-        try {
-            seen = takeNews();
-            worked = step();
-        } catch (const std::exception& e) {
-            giveUp(e.what());
-        }
-        if (worked) continue;
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, stop, [&] { return news_ != seen; });
+bool FrameLoop::turn() {
+    {
+        std::lock_guard lock(mutex_);
+        if (stopped_) return false;
+    }
+    try {
+        takeNews();
+        return step();
+    } catch (const std::exception& e) {
+        giveUp(e.what());
+        return false;
     }
 }
 
@@ -133,7 +134,7 @@ void FrameLoop::giveUp(const char* why) {
     }
 }
 
-uint64_t FrameLoop::takeNews() {
+void FrameLoop::takeNews() {
     const uint32_t coarser = receiver_.coarser();
     std::unique_lock lock(mutex_);
     pace_.setLineSteps(coarser);
@@ -154,7 +155,6 @@ uint64_t FrameLoop::takeNews() {
     if (pictureAsked_ && resident_ && request_) pictureWanted_ = std::exchange(pictureAsked_, std::nullopt);
     focus_ = std::exchange(focusAsked_, std::nullopt);
     pick_ = std::exchange(pickAsked_, std::nullopt);
-    uint64_t seen = news_;
     lock.unlock();
 
     if (run_ && sceneChanged) endRun();
@@ -163,7 +163,6 @@ uint64_t FrameLoop::takeNews() {
         if (!*playing || !hasPath) endRun();
         else if (!run_) run_ = Run{PathRun(resident_->scene->paths.front()), Clock::now()};
     }
-    return seen;
 }
 
 /// With the lock held. A run along the path is a measurement: its frames have the size that was asked for.

@@ -1,16 +1,15 @@
 #pragma once
-// The render loop of one view: newest request in, films to be shown out. It runs on a thread of its own and shares the device
-// with other loops by taking turns (turns.h). While the viewer moves, every frame is one pass of one sample; at rest passes
+// The render loop of one view: newest request in, films to be shown out. It runs on a thread of its own, which is there while
+// there is something to draw, and shares the device with other loops by taking turns (turns.h). While the viewer moves, every frame is one pass of one sample; at rest passes
 // accumulate up to the `samples` setting. What it does next is decided in loop_rules.h.
 
+#include "server/base/resting_thread.h"
 #include "server/base/stage_clock.h"
 #include "server/loop/path_run.h"
 #include "server/loop/picture_job.h"
 #include "server/loop/view_pace.h"
 
-#include <condition_variable>
 #include <optional>
-#include <thread>
 
 namespace heliograph {
 
@@ -62,9 +61,9 @@ private:
 
     template <typename Change>
     void tell(Change change);
-    void run(std::stop_token stop);
+    bool turn();
     void giveUp(const char* why);
-    uint64_t takeNews();
+    void takeNews();
     bool step();
     LoopState state();
     void askDevice();
@@ -88,8 +87,6 @@ private:
 
     // Between threads, under mutex_.
     mutable std::mutex mutex_;
-    std::condition_variable_any changed_;
-    uint64_t news_ = 0;  // grows with every call from outside
     std::optional<ViewRequest> newest_;
     ViewPace pace_;
     std::shared_ptr<ResidentScene> newScene_;
@@ -117,7 +114,7 @@ private:
     std::optional<PickRequest> pick_;
     bool broken_ = false;
 
-    std::jthread thread_;  // last: it uses all of the above
+    RestingThread thread_;  // last: it uses all of the above
 };
 
 }  // namespace heliograph

@@ -3,24 +3,37 @@
 #include "server/base/background.h"
 #include "server/base/log.h"
 
+#include <system_error>
+
 namespace heliograph {
 
-EncodeThread::EncodeThread(Done done) : encoded_(std::move(done)), thread_([this] { run(); }) {}
+EncodeThread::EncodeThread(Done done) : encoded_(std::move(done)), thread_([this] { return turn(); }) {}
 
 void EncodeThread::finish() {
     jobs_.close();
-    if (thread_.joinable()) thread_.join();
+    thread_.finish();
+}
+
+void EncodeThread::put(Job job) {
+    const uint32_t frameId = job.header.frameId;
+    busy_.store(true, std::memory_order_release);
+    jobs_.put(std::move(job));
+    try {
+        thread_.call();
+    } catch (const std::system_error& e) {
+        jobs_.take();
+        busy_.store(false, std::memory_order_release);
+        tell(frameId, std::nullopt, e.what());
+    }
 }
 
 void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header, bool keep, std::shared_ptr<SharedPictures> shared) {
-    busy_.store(true, std::memory_order_release);
-    jobs_.put({std::move(frame), header, keep, std::move(shared)});
+    put({std::move(frame), header, keep, std::move(shared)});
 }
 
 void EncodeThread::encode(std::shared_ptr<const StillPicture> still, uint32_t firstRow, uint32_t rows,
                           const FrameHeader& header) {
-    busy_.store(true, std::memory_order_release);
-    jobs_.put({Part{std::move(still), firstRow, rows}, header});
+    put({Part{std::move(still), firstRow, rows}, header});
 }
 
 EncodedFrame EncodeThread::made(const Job& job) {
@@ -34,21 +47,22 @@ EncodedFrame EncodeThread::made(const Job& job) {
     return encoded;
 }
 
-void EncodeThread::run() {
-    while (std::optional<Job> job = jobs_.wait()) {
-        auto span = stages_.enter("encode");
-        std::optional<EncodedFrame> encoded;
-        std::string failure;
-        try {
-            encoded = made(*job);
-        } catch (const std::exception& e) {
-            failure = e.what();
-        }
-        const uint32_t frameId = job->header.frameId;
-        job.reset();  // the film is free for the next pass
-        busy_.store(false, std::memory_order_release);
-        tell(frameId, std::move(encoded), failure);
+bool EncodeThread::turn() {
+    std::optional<Job> job = jobs_.take();
+    if (!job) return false;
+    auto span = stages_.enter("encode");
+    std::optional<EncodedFrame> encoded;
+    std::string failure;
+    try {
+        encoded = made(*job);
+    } catch (const std::exception& e) {
+        failure = e.what();
     }
+    const uint32_t frameId = job->header.frameId;
+    job.reset();  // the film is free for the next pass
+    busy_.store(false, std::memory_order_release);
+    tell(frameId, std::move(encoded), failure);
+    return true;
 }
 
 /// Without memory to hand the frame over it is lost, as if it could not have been encoded; the next one comes.

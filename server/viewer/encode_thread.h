@@ -1,14 +1,15 @@
 #pragma once
-// Makes bytes of finished frames, on a thread of its own so that the next pass renders meanwhile. It holds one frame at a
+// Makes bytes of finished frames, on a thread of its own so that the next pass renders meanwhile. The thread is there while
+// frames come. It holds one frame at a
 // time: whoever has the next one waits until `busy` is over.
 
 #include "server/base/mailbox.h"
+#include "server/base/resting_thread.h"
 #include "server/base/stage_clock.h"
 #include "server/viewer/picture_maker.h"
 
 #include <atomic>
 #include <functional>
-#include <thread>
 #include <variant>
 
 namespace heliograph {
@@ -42,7 +43,8 @@ private:
         bool keep = false;
         std::shared_ptr<SharedPictures> shared = {};
     };
-    void run();
+    bool turn();
+    void put(Job job);
     EncodedFrame made(const Job& job);
     void tell(uint32_t frameId, std::optional<EncodedFrame> encoded, const std::string& failure);
 
@@ -51,7 +53,7 @@ private:
     Mailbox<Job> jobs_;
     StageClock stages_;
     std::atomic<bool> busy_{false};
-    std::jthread thread_;
+    RestingThread thread_;  // last: it uses all of the above
 };
 
 }  // namespace heliograph

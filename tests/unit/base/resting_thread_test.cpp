@@ -1,0 +1,70 @@
+#include "server/base/resting_thread.h"
+
+#include "tests/support/until.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+namespace heliograph {
+namespace {
+
+TEST(RestingThread, IsNotThereBeforeItsFirstCallAndLeavesWhenNobodyCalls) {
+    std::atomic<int> turns{0};
+    RestingThread thread([&] { return ++turns < 0; }, 0.01);
+    EXPECT_FALSE(thread.awake());
+    thread.call();
+    EXPECT_TRUE(test::until([&] { return turns == 1 && !thread.awake(); }));
+    thread.call();
+    EXPECT_TRUE(test::until([&] { return turns == 2 && !thread.awake(); }));
+}
+
+TEST(RestingThread, WorksAsLongAsThereIsSomethingToDo) {
+    std::atomic<int> left{100};
+    RestingThread thread([&] { return left > 0 && --left >= 0; });
+    thread.call();
+    EXPECT_TRUE(test::until([&] { return left == 0; }));
+}
+
+TEST(RestingThread, ACallDuringATurnIsAnsweredByAnotherTurn) {
+    std::atomic<int> turns{0};
+    std::atomic<bool> held{true};
+    RestingThread thread([&] {
+        if (++turns == 1) EXPECT_TRUE(test::until([&] { return !held; }));
+        return false;
+    });
+    thread.call();
+    EXPECT_TRUE(test::until([&] { return turns == 1; }));
+    thread.call();
+    held = false;
+    EXPECT_TRUE(test::until([&] { return turns == 2; }));
+}
+
+TEST(RestingThread, ManyCallersAndLeavesLoseNoCall) {
+    std::atomic<int> asked{0}, done{0};
+    RestingThread thread(
+        [&] {
+            done = asked.load();
+            return false;
+        },
+        0);
+    for (int i = 1; i <= 2000; i++) {
+        asked = i;
+        thread.call();
+        if (i % 20 == 0) ASSERT_TRUE(test::until([&] { return done == i; })) << i;
+    }
+    EXPECT_TRUE(test::until([&] { return done == 2000; }));
+}
+
+TEST(RestingThread, EndsAfterWhatIsLeftToDo) {
+    std::atomic<int> left{5};
+    RestingThread thread([&] { return left > 0 && --left >= 0; });
+    thread.call();
+    thread.finish();
+    EXPECT_EQ(left, 0);
+    thread.call();
+    EXPECT_FALSE(thread.awake());
+}
+
+}  // namespace
+}  // namespace heliograph
