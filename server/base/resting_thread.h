@@ -2,11 +2,13 @@
 // A thread that is there only while there is something to do, so that what rests (a view nobody moves, a viewer who looks)
 // costs no thread.
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 namespace heliograph {
 
@@ -39,5 +41,55 @@ private:
     bool over_ = false;
     std::thread thread_;
 };
+
+inline RestingThread::RestingThread(std::function<bool()> turn, double patienceSeconds)
+    : turn_(std::move(turn)), patience_(patienceSeconds) {}
+
+inline void RestingThread::call() {
+    {
+        std::lock_guard lock(mutex_);
+        if (over_) return;
+        calls_++;
+        if (!awake_) {
+            if (thread_.joinable()) thread_.join();  // has left: it needs the lock no more
+            thread_ = std::thread([this] { serve(); });
+            awake_ = true;
+            return;
+        }
+    }
+    called_.notify_one();
+}
+
+inline void RestingThread::finish() {
+    std::thread last;
+    {
+        std::lock_guard lock(mutex_);
+        over_ = true;
+        last = std::move(thread_);
+    }
+    called_.notify_one();
+    if (last.joinable()) last.join();
+}
+
+inline bool RestingThread::awake() const {
+    std::lock_guard lock(mutex_);
+    return awake_;
+}
+
+inline void RestingThread::serve() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+        const uint64_t seen = calls_;
+        lock.unlock();
+        const bool worked = turn_();
+        lock.lock();
+        if (worked) continue;
+        const auto patience = std::chrono::duration<double>(patience_);
+        const bool called = called_.wait_for(lock, patience, [&] { return calls_ != seen || over_; });
+        if (called && calls_ != seen) continue;
+        awake_ = false;
+        return;
+    }
+}
 
 }  // namespace heliograph
