@@ -57,13 +57,14 @@ class Drawing:
 
 
 def rooms():
-    d = Drawing(960, 762, 'Rooms: each may include what stands below it')
+    d = Drawing(960, 824, 'Rooms: each may include what stands below it')
     step, top = 62, 56
 
     def row(i):
         return top + i * step
 
-    tower = [('stream', 'one view and who looks at it'), ('loop', 'what a view renders next'),
+    tower = [('stream', 'views, and who looks at them'), ('viewer', 'what one viewer is sent'),
+             ('loop', 'what a view renders next'),
              ('render', 'does it: turns, threads, passes'), ('schedule', 'who renders what; pure'),
              ('device', 'the contract of every device'),
              ('film', 'what is known of the picture'), ('request', 'what is asked; values'),
@@ -72,32 +73,32 @@ def rooms():
     for i, (name, words) in enumerate(tower):
         d.box(330, row(i + 1), 300, 48, name, words, fill=BLUE)
         d.arrow((480, row(i) + 48), (480, row(i + 1)))
-    d.box(24, row(10), 912, 48, 'base', 'errors, log, clock, mailbox, progress, words', fill=YELLOW)
-    d.arrow((480, row(9) + 48), (480, row(10)))
+    d.box(24, row(11), 912, 48, 'base', 'errors, log, clock, mailbox, progress, words', fill=YELLOW)
+    d.arrow((480, row(10) + 48), (480, row(11)))
 
     d.box(676, row(1), 260, 48, 'operations', 'configuration, metrics, service manager')
-    d.box(676, row(3), 260, 48, 'lab', 'benchmarks, the simulator')
-    for i in (1, 3):
+    d.box(676, row(4), 260, 48, 'lab', 'benchmarks, the simulator')
+    for i in (1, 4):
         d.arrow((676, row(i) + 24), (630, row(i) + 24))
-    d.box(676, row(4), 260, 48, 'device/embree', 'the processor, by Embree', fill=RED)
-    d.box(676, row(5), 260, 48, 'device/vulkan', 'core, tree, trace, raster, bench', fill=RED)
-    d.arrow((676, row(4) + 24), (654, row(4) + 24), (654, row(5) + 14), (630, row(5) + 14))
-    d.arrow((676, row(5) + 24), (630, row(5) + 24))
-    d.box(676, row(8), 260, 48, 'scene/{build,load,generate}', 'files and recipes become a scene', fill=GREEN)
-    d.arrow((676, row(8) + 24), (630, row(8) + 24))
+    d.box(676, row(5), 260, 48, 'device/embree', 'the processor, by Embree', fill=RED)
+    d.box(676, row(6), 260, 48, 'device/vulkan', 'core, tree, trace, raster, bench', fill=RED)
+    d.arrow((676, row(5) + 24), (654, row(5) + 24), (654, row(6) + 14), (630, row(6) + 14))
+    d.arrow((676, row(6) + 24), (630, row(6) + 24))
+    d.box(676, row(9), 260, 48, 'scene/{build,load,generate}', 'files and recipes become a scene', fill=GREEN)
+    d.arrow((676, row(9) + 24), (630, row(9) + 24))
 
     d.box(24, row(1), 260, 48, 'client-web', 'the page, in the browser', dashed=True)
-    d.box(24, row(2), 260, 48, 'net', 'messages; net/web: sockets and HTTP', fill=GREEN)
-    d.arrow((330, row(1) + 36), (308, row(1) + 36), (308, row(2) + 14), (284, row(2) + 14))
-    d.arrow((154, row(1) + 48), (154, row(2)), dashed=True, words='WebSocket', at=(166, row(2) - 3), anchor='start')
-    d.arrow((284, row(2) + 36), (308, row(2) + 36), (308, row(7) + 24), (330, row(7) + 24))
-    d.box(24, row(4), 260, 48, 'encode', 'pixels to bytes', fill=GREEN)
-    d.arrow((330, row(1) + 42), (296, row(1) + 42), (296, row(4) + 24), (284, row(4) + 24))
-    d.box(24, row(5), 260, 48, 'images', 'reads pictures; door to OpenImageIO', fill=GREEN)
-    d.arrow((154, row(4) + 48), (154, row(5)))
-    d.box(24, row(9), 260, 48, 'shaders/kernel', 'every colour, written once', fill=YELLOW)
-    d.arrow((330, row(9) + 24), (284, row(9) + 24))
-    d.text(24, 754, 'Not drawn: what follows from these. tests/check_includes.sh holds the whole table.', 12, colour=MUTED)
+    d.box(24, row(3), 260, 48, 'net', 'messages; net/web: sockets and HTTP', fill=GREEN)
+    d.arrow((330, row(2) + 36), (308, row(2) + 36), (308, row(3) + 14), (284, row(3) + 14))
+    d.arrow((154, row(1) + 48), (154, row(3)), dashed=True, words='WebSocket', at=(166, row(2) + 4), anchor='start')
+    d.arrow((284, row(3) + 36), (308, row(3) + 36), (308, row(8) + 24), (330, row(8) + 24))
+    d.box(24, row(5), 260, 48, 'encode', 'pixels to bytes', fill=GREEN)
+    d.arrow((330, row(2) + 42), (296, row(2) + 42), (296, row(5) + 24), (284, row(5) + 24))
+    d.box(24, row(6), 260, 48, 'images', 'reads pictures; door to OpenImageIO', fill=GREEN)
+    d.arrow((154, row(5) + 48), (154, row(6)))
+    d.box(24, row(10), 260, 48, 'shaders/kernel', 'every colour, written once', fill=YELLOW)
+    d.arrow((330, row(10) + 24), (284, row(10) + 24))
+    d.text(24, 816, 'Not drawn: what follows from these. tests/check_includes.sh holds the whole table.', 12, colour=MUTED)
     return d
 
 
