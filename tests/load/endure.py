@@ -22,6 +22,15 @@ def settled(server):
     return status(server, 'VmRSS') / 1024
 
 
+def nobody(server):
+    """Waits until no view is kept for somebody who may come back."""
+    end = time.monotonic() + 60
+    while '\nheliograph_views 0\n' not in server.get('/metrics')[2]:
+        if time.monotonic() > end:
+            raise RuntimeError('views are left after a minute')
+        time.sleep(0.5)
+
+
 def processor(server):
     with open('/proc/%d/stat' % server.process.pid) as f:
         fields = f.read().rsplit(')', 1)[1].split()
@@ -78,7 +87,7 @@ def flat(what, first, last, note):
 
 def cycles(options):
     """Each connects, sees a picture and goes, one half without a goodbye."""
-    server = support.Server('--set', 'samples=1')
+    server = support.Server('--set', 'samples=1', '--keep-views', '1')
     first, start = 0.0, time.monotonic()
     for number in range(options.cycles):
         viewer = support.Viewer(server.port, size=(64, 36))
@@ -89,7 +98,9 @@ def cycles(options):
             viewer.socket.sendall(b'\x88\x82\0\0\0\0\x03\xe8')
         viewer.socket.close()
         if number == options.cycles // 4:
+            nobody(server)
             first = settled(server)
+    nobody(server)
     last = settled(server)
     note = '%.0f a second, %d threads' % (options.cycles / (time.monotonic() - start), status(server, 'Threads'))
     server.end()
