@@ -30,7 +30,9 @@ TEST(RestingThread, ACallDuringATurnIsAnsweredByAnotherTurn) {
     std::atomic<int> turns{0};
     std::atomic<bool> held{true};
     RestingThread thread([&] {
-        if (++turns == 1) EXPECT_TRUE(test::until([&] { return !held; }));
+        if (++turns == 1) {
+            EXPECT_TRUE(test::until([&] { return !held; }));
+        }
         return false;
     });
     thread.call();
@@ -51,7 +53,9 @@ TEST(RestingThread, ManyCallersAndLeavesLoseNoCall) {
     for (int i = 1; i <= 2000; i++) {
         asked = i;
         thread.call();
-        if (i % 20 == 0) ASSERT_TRUE(test::until([&] { return done == i; })) << i;
+        if (i % 20 == 0) {
+            ASSERT_TRUE(test::until([&] { return done == i; })) << i;
+        }
     }
     EXPECT_TRUE(test::until([&] { return done == 2000; }));
 }
