@@ -5,6 +5,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -21,16 +22,19 @@ public:
     RestingThread& operator=(const RestingThread&) = delete;
     ~RestingThread() { finish(); }
 
-    /// There may be something to do: `turn` is called after this. Throws std::system_error where no thread can be started;
-    /// the next call tries again.
-    void call();
-    /// Waits until `turn` has nothing more to do, and ends; calls from now on do nothing.
+    /// There may be something to do: `turn` is called after this. False where the system has no thread for it: the next `call`
+    /// or `retry` tries again. Never calls `turn` itself, so it may be called with locks held.
+    bool call() noexcept;
+    /// To be called now and then: starts the thread that a call did not get. False where there is still none.
+    bool retry() noexcept;
+    /// Waits until `turn` has nothing more to do, and ends; calls from now on do nothing. What waits for a thread is not done.
     void finish();
     /// Whether the thread is there.
     bool awake() const;
 
 private:
     void serve();
+    bool start() noexcept;
 
     const std::function<bool()> turn_;
     const double patience_;
@@ -38,6 +42,7 @@ private:
     std::condition_variable called_;
     uint64_t calls_ = 0;
     bool awake_ = false;
+    bool waits_ = false;  // for a thread, which a call did not get
     bool over_ = false;
     std::thread thread_;
 };
@@ -45,19 +50,33 @@ private:
 inline RestingThread::RestingThread(std::function<bool()> turn, double patienceSeconds)
     : turn_(std::move(turn)), patience_(patienceSeconds) {}
 
-inline void RestingThread::call() {
+inline bool RestingThread::call() noexcept {
     {
         std::lock_guard lock(mutex_);
-        if (over_) return;
+        if (over_) return true;
         calls_++;
-        if (!awake_) {
-            if (thread_.joinable()) thread_.join();  // has left: it needs the lock no more
-            thread_ = std::thread([this] { serve(); });
-            awake_ = true;
-            return;
-        }
+        if (!awake_) return start();
     }
     called_.notify_one();
+    return true;
+}
+
+inline bool RestingThread::retry() noexcept {
+    std::lock_guard lock(mutex_);
+    return over_ || !waits_ || start();
+}
+
+/// With the lock held, while it is not awake.
+inline bool RestingThread::start() noexcept {
+    if (thread_.joinable()) thread_.join();  // has left: it needs the lock no more
+    try {
+        thread_ = std::thread([this] { serve(); });
+        awake_ = true;
+    } catch (const std::exception&) {  // no thread, or no memory for one
+        awake_ = false;
+    }
+    waits_ = !awake_;
+    return awake_;
 }
 
 inline void RestingThread::finish() {

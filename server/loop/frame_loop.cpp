@@ -2,6 +2,7 @@
 
 #include "server/base/log.h"
 
+#include <cerrno>
 #include <system_error>
 #include <utility>
 
@@ -17,7 +18,7 @@ double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::s
 
 FrameLoop::FrameLoop(Turns& turns, FrameReceiver& receiver, FilmPool films)
     : turns_(turns), receiver_(receiver), passes_(turns), film_(std::move(films)), thread_([this] { return turn(); }) {
-    thread_.call();  // where there is no thread for a view, its viewer hears so at the door
+    if (!thread_.call()) throw std::system_error(EAGAIN, std::generic_category(), "no thread to draw with");
 }
 
 FrameLoop::~FrameLoop() { stop(); }
@@ -29,11 +30,7 @@ void FrameLoop::tell(Change change) {
         std::lock_guard lock(mutex_);
         change();
     }
-    try {
-        thread_.call();
-    } catch (const std::system_error&) {
-        receiver_.failed("the system has no thread to draw with; the next input tries again");
-    }
+    thread_.call();  // without a thread the change waits for `retry`
 }
 
 void FrameLoop::show(const ViewRequest& request) {

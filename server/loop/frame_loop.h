@@ -36,6 +36,10 @@ public:
     void pick(const PickRequest& request);
     /// The receiver's readiness has changed for the better.
     void wake();
+    /// To be called now and then. False where what was asked waits because the system has no thread for it.
+    bool retry() { return thread_.retry(); }
+    /// Whether its thread is there.
+    bool awake() const { return thread_.awake(); }
     /// Asks the loop to end, without waiting.
     void stop();
     /// Seconds that this loop and that all loops have used the device.

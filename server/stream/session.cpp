@@ -163,7 +163,27 @@ void Session::encodingFailed(const std::string& what) {
     lastFailure_ = what;
 }
 
+bool Session::resting() const {
+    const std::shared_ptr<View> looked = view();
+    return !viewer_.awake() && (!looked || !looked->awake());
+}
+
+/// Starts the threads that its view and its viewer did not get when they had something to do; says once where there are none.
+void Session::retry() {
+    const std::shared_ptr<View> looked = view();
+    const bool encodes = viewer_.retry(), renders = !looked || looked->retry();
+    const bool waits = !encodes || !renders;
+    std::lock_guard lock(mutex_);
+    if (waits && !waits_) {
+        log().error("viewer {}: no thread to be had for its frames; tried again until there is one", viewer_.number());
+        viewer_.say(
+            errorMessage("the server has no thread for your frames; it goes on as soon as it has one", "frame", std::nullopt));
+    }
+    waits_ = waits;
+}
+
 void Session::tick(Clock::time_point now) {
+    retry();
     const size_t viewers = host_.viewerCount();
     std::shared_ptr<View> looked;
     double seconds = 0.0;

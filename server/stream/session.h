@@ -41,6 +41,8 @@ public:
     /// Nothing is on its way to the viewer any more that it waits for: its last input was answered by a frame, which it has
     /// acknowledged.
     bool settled() const;
+    /// Neither its view nor its viewer holds a thread.
+    bool resting() const;
     void leaves() override { comesBack_ = false; }
     /// The viewer has gone: it leaves its view, without waiting. `broken`: not by our will; unless by its own, the view is kept
     /// for when it comes back.
@@ -64,6 +66,7 @@ private:
 
     std::shared_ptr<View> view() const;
     bool draining() const;
+    void retry();
     void welcome();
     void leave(bool keep = false);
     bool enter(const std::shared_ptr<View>& view, std::shared_ptr<void> place, std::optional<uint32_t> inputId,
@@ -87,6 +90,7 @@ private:
     std::shared_ptr<void> place_;  // in it, of the host
     Clock::time_point statsAt_{};
     std::string lastFailure_;
+    bool waits_ = false;  // for a thread, and was told
 
     Viewer viewer_;
 };

@@ -67,6 +67,9 @@ public:
     std::optional<ViewerLoad> load(const Viewer& viewer, Clock::time_point now) const;
     /// What the view is at for who drives it, and what is made into bytes for the viewer.
     std::vector<RunningStage> stages(const Viewer& viewer) const;
+    /// As FrameLoop::retry.
+    bool retry() { return loop_.retry(); }
+    bool awake() const { return loop_.awake(); }
     /// The viewer has been given a frame that shows its last input, or there is none to come.
     bool answered(const Viewer& viewer) const;
 

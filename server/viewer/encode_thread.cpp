@@ -3,8 +3,6 @@
 #include "server/base/background.h"
 #include "server/base/log.h"
 
-#include <system_error>
-
 namespace heliograph {
 
 EncodeThread::EncodeThread(Done done) : encoded_(std::move(done)), thread_([this] { return turn(); }) {}
@@ -15,16 +13,9 @@ void EncodeThread::finish() {
 }
 
 void EncodeThread::put(Job job) {
-    const uint32_t frameId = job.header.frameId;
     busy_.store(true, std::memory_order_release);
     jobs_.put(std::move(job));
-    try {
-        thread_.call();
-    } catch (const std::system_error& e) {
-        jobs_.take();
-        busy_.store(false, std::memory_order_release);
-        tell(frameId, std::nullopt, e.what());
-    }
+    thread_.call();  // without a thread it waits for `retry`: whoever puts a frame holds locks, and can be told nothing here
 }
 
 void EncodeThread::encode(FinishedFrame frame, const FrameHeader& header, bool keep, std::shared_ptr<SharedPictures> shared) {

@@ -1,7 +1,6 @@
 #pragma once
 // Makes bytes of finished frames, on a thread of its own so that the next pass renders meanwhile. The thread is there while
-// frames come. It holds one frame at a
-// time: whoever has the next one waits until `busy` is over.
+// frames come. It holds one frame at a time: whoever has the next one waits until `busy` is over.
 
 #include "server/base/mailbox.h"
 #include "server/base/resting_thread.h"
@@ -29,6 +28,10 @@ public:
     void encode(FinishedFrame frame, const FrameHeader& header, bool keep, std::shared_ptr<SharedPictures> shared);
     /// A part of a picture, as PictureMaker::makePart. Must not be called while busy.
     void encode(std::shared_ptr<const StillPicture> still, uint32_t firstRow, uint32_t rows, const FrameHeader& header);
+    /// To be called now and then. False where a frame waits because the system has no thread for it.
+    bool retry() { return thread_.retry(); }
+    /// Whether its thread is there.
+    bool awake() const { return thread_.awake(); }
     /// Ends after the frame in work and waits for that; what comes later is dropped.
     void finish();
 

@@ -69,6 +69,9 @@ public:
     ViewerStats takeStats(double seconds, Turns::Used used);
     /// Ends after the frame in work and waits for that. After it the listener is not called any more.
     void finish() { encoder_.finish(); }
+    /// As EncodeThread::retry.
+    bool retry() { return encoder_.retry(); }
+    bool awake() const { return encoder_.awake(); }
     /// What its thread is at.
     std::optional<RunningStage> stage() const { return encoder_.stage(number_); }
     /// Processor time in which a picture is developed and encoded; 0 while none was.

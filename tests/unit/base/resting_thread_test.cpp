@@ -1,5 +1,6 @@
 #include "server/base/resting_thread.h"
 
+#include "tests/support/no_threads.h"
 #include "tests/support/until.h"
 
 #include <gtest/gtest.h>
@@ -58,6 +59,30 @@ TEST(RestingThread, ManyCallersAndLeavesLoseNoCall) {
         }
     }
     EXPECT_TRUE(test::until([&] { return done == 2000; }));
+}
+
+TEST(RestingThread, WhatGotNoThreadIsDoneWhenThereIsOne) {
+    std::atomic<int> turns{0};
+    RestingThread thread([&] { return ++turns < 0; });
+    EXPECT_TRUE(thread.retry()) << "nothing was called for";
+    {
+        test::NoThreads none;
+        EXPECT_FALSE(thread.call());
+        EXPECT_FALSE(thread.retry());
+        EXPECT_FALSE(thread.awake());
+    }
+    EXPECT_EQ(turns, 0);
+    EXPECT_TRUE(thread.retry());
+    EXPECT_TRUE(test::until([&] { return turns == 1; }));
+}
+
+TEST(RestingThread, EndsWithoutTheThreadItNeverGot) {
+    std::atomic<int> turns{0};
+    RestingThread thread([&] { return ++turns < 0; });
+    test::NoThreads none;
+    EXPECT_FALSE(thread.call());
+    thread.finish();
+    EXPECT_EQ(turns, 0);
 }
 
 TEST(RestingThread, EndsAfterWhatIsLeftToDo) {
