@@ -1,0 +1,23 @@
+#pragma once
+// Pictures as the accuracy lab compares them.
+
+#include "server/encode/encoder.h"
+#include "server/kernel/kernel_types.h"
+
+#include <vector>
+
+namespace heliograph {
+
+/// Linear radiance: row-major, top row first; rgb used, w ignored.
+struct LinearPicture {
+    uvec2 resolution{0, 0};
+    std::vector<vec4> pixels;
+};
+
+/// The picture at another size: bilinear between pixel centres, borders repeated, as a browser stretches a picture. The same
+/// picture where the size is its own.
+LinearPicture resized(const LinearPicture& picture, uvec2 size);
+/// The same of display codes, rounded.
+DisplayImage resized(const DisplayImage& image, uvec2 size);
+
+}  // namespace heliograph
