@@ -3,6 +3,7 @@
 struct Surface {
     vec3 position;         // world
     float distance;        // along the ray
+    float clearance;       // metres from the facet at which a ray that goes on from here starts
     vec3 geometricNormal;  // unit, towards the ray's origin
     uint material;
     vec3 normal;           // unit, interpolated, towards the ray's origin
@@ -26,6 +27,16 @@ vec3 transformPoint(uint instance, vec3 p) {
     vec4 r2 = INSTANCE(instance, toWorld2);
     return vec3(r0.x * p.x + r0.y * p.y + r0.z * p.z + r0.w, r1.x * p.x + r1.y * p.y + r1.z * p.z + r1.w,
                 r2.x * p.x + r2.y * p.y + r2.z * p.z + r2.w);
+}
+
+// The largest coordinates that occur on the way to transformPoint.
+vec3 transformReach(uint instance, vec3 p) {
+    vec4 r0 = INSTANCE(instance, toWorld0);
+    vec4 r1 = INSTANCE(instance, toWorld1);
+    vec4 r2 = INSTANCE(instance, toWorld2);
+    return vec3(abs(r0.x * p.x) + abs(r0.y * p.y) + abs(r0.z * p.z) + abs(r0.w),
+                abs(r1.x * p.x) + abs(r1.y * p.y) + abs(r1.z * p.z) + abs(r1.w),
+                abs(r2.x * p.x) + abs(r2.y * p.y) + abs(r2.z * p.z) + abs(r2.w));
 }
 
 vec3 transformVector(uint instance, vec3 d) {
@@ -126,11 +137,15 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
     vec3 na = pointOf(nua);
     vec3 nb = pointOf(nub);
     vec3 nc = pointOf(nuc);
+    vec3 reach = max3(abs3(a), max3(abs3(b), abs3(c)));
     float winding = 1.0f;
     if (HAS(EFFECT_INSTANCING)) {
         uint flags = INSTANCE(hit.instance, flags);
         bool placed = (flags & INSTANCE_IDENTITY) == 0u;
         if (ANY(placed)) {
+            // Twice: a device takes the ray into the mesh's space, and so rounds once more.
+            vec3 placedReach = max3(transformReach(hit.instance, a), max3(transformReach(hit.instance, b), transformReach(hit.instance, c)));
+            reach = SELECT(placed, placedReach * 2.0f, reach);
             a = SELECT(placed, transformPoint(hit.instance, a), a);
             b = SELECT(placed, transformPoint(hit.instance, b), b);
             c = SELECT(placed, transformPoint(hit.instance, c), c);
@@ -142,14 +157,19 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
     }
     s.edge1 = b - a;
     s.edge2 = c - a;
+    float scale = scaleToOne(s.edge1, s.edge2);
     Barycentrics bary = triangleBarycentrics(origin, direction, a, s.edge1, s.edge2);
     float w = 1.0f - bary.u - bary.v;
     s.distance = bary.t;
     s.position = a * w + b * bary.u + c * bary.v;
-    vec3 facing = cross(s.edge1, s.edge2) * winding;
-    float doubleArea = sqrt(dot(facing, facing));
+    vec3 scaled1 = s.edge1 * scale;
+    vec3 scaled2 = s.edge2 * scale;
+    vec3 facing = cross(scaled1, scaled2) * winding;
+    float scaledArea = sqrt(dot(facing, facing));
+    float perArea = 1.0f / SELECT(scaledArea > 0.0f, scaledArea, 1.0f);
     s.side = SELECT(dot(facing, direction) < 0.0f, 1.0f, -1.0f);
-    s.geometricNormal = facing * (s.side / SELECT(doubleArea > 0.0f, doubleArea, 1.0f));
+    s.geometricNormal = facing * (s.side * perArea);
+    s.clearance = clearanceOf(s.geometricNormal, reach, scaled1, scaled2, scale, perArea);
     vec3 smooth_ = normalize3(na * w + nb * bary.u + nc * bary.v) * s.side;
     // A smooth normal that looks away from the viewer would shade a back: the facet's own serves there.
     s.normal = SELECT(dot(smooth_, s.geometricNormal) > 0.0f, smooth_, s.geometricNormal);
@@ -159,7 +179,7 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
     s.footprint = vec2(0.0f, 0.0f);
     if (HAS(EFFECT_TEXTURES)) {
         addTextureCoordinates(s, vec3(nua.w, nub.w, nuc.w), ia, ib, ic, w, bary.u, bary.v);
-        setFootprint(s, doubleArea, coneWidth + coneSpread * max(s.distance, 0.0f), -dot(s.geometricNormal, direction));
+        setFootprint(s, scaledArea * square(inverseOfPower(scale)), coneWidth + coneSpread * max(s.distance, 0.0f), -dot(s.geometricNormal, direction));
     }
     if (HAS(EFFECT_VERTEX_COLORS))
         s.color = unpackColor(ATTRIBUTE(ia, color), POSITION(ia).w) * w + unpackColor(ATTRIBUTE(ib, color), POSITION(ib).w) * bary.u

@@ -15,7 +15,7 @@ ShadowRay shadowRayTo(IN(LightSample) light, IN(Surface) s, IN(Shading) m, vec3 
     vec3 reflected = reflectedLight(m, wo, light.direction) * light.irradiance;
     r.contribution = throughput * reflected * SELECT(faces, m.alpha, 0.0f);
     // The smooth surface bulges over its facets: rays start from there, so that facets do not shade themselves.
-    r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal);
+    r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal, s.clearance);
     r.ray.direction = light.direction;
     r.ray.tMax = SELECT(light.distance < FLOAT_MAX, light.distance * 0.9999f, FLOAT_MAX);
     if (HAS(EFFECT_FOG)) r.contribution = r.contribution * fogTransmittance(r.ray.origin, light.direction, light.distance);
@@ -50,7 +50,7 @@ ShadowRay sampledLightRay(UNIFORM_UINT index, UNIFORM_UINT sampleIndex, uvec2 pi
     bool faces = dot(s.geometricNormal, l.direction) > 0.0f || dot(s.normal, l.direction) > 0.0f;
     vec3 reflected = reflectedPlace(m, wo, l, shares, specularShare);
     r.contribution = throughput * reflected * SELECT(faces, m.alpha, 0.0f);
-    r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal);
+    r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal, s.clearance);
     r.ray.direction = l.direction;
     r.ray.tMax = SELECT(l.distance < FLOAT_MAX, l.distance * 0.9999f, FLOAT_MAX);
     if (HAS(EFFECT_FOG)) r.contribution = r.contribution * fogTransmittance(r.ray.origin, l.direction, l.distance);
@@ -172,7 +172,7 @@ float occlusionVisibility(uint visible) {
 
 PathState continuedPath(IN(PathState) p, IN(Surface) s, vec3 direction, vec3 throughput, float side, UNIFORM_UINT branch) {
     PathState next = p;
-    next.origin = offsetRayOrigin(s.position, s.geometricNormal * side);
+    next.origin = offsetRayOrigin(s.position, s.geometricNormal * side, s.clearance);
     next.direction = direction;
     next.throughput = throughput;
     next.coneWidth = p.coneWidth + p.coneSpread * max(s.distance, 0.0f);

@@ -42,7 +42,7 @@ vec3 transmittance(Ray ray) {
         if (!(maxComponent(through) > 0.0f)) return vec3(0.0f);
         left = left - s.distance;
         if (!(left > 0.0f)) return through;
-        origin = offsetRayOrigin(s.position, -s.geometricNormal);
+        origin = offsetRayOrigin(s.position, -s.geometricNormal, s.clearance);
     }
     return vec3(0.0f);
 }
@@ -78,7 +78,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
             }
             shadowRays++;
         } else {
-            r.ray.origin = offsetRayOrigin(a.surface.position, a.surface.geometricNormal);
+            r.ray.origin = offsetRayOrigin(a.surface.position, a.surface.geometricNormal, a.surface.clearance);
             r.ray.direction = occlusionDirection(sobolPoint(occlusionNumber(sampleIndex, i - lights)), shift, a.shading.normal,
                                                  a.surface.geometricNormal, tangent, bitangent);
             r.ray.tMax = FRAME.aoDistance;

@@ -86,7 +86,7 @@ std::vector<RayClass> makeRays(const Scene& scene, RayBench& bench, uvec2 size) 
         Hit hit{answers[i].instance, answers[i].primitive};
         const Ray& ray = classes[0].rays[i];
         auto s = kernel.surfaceAt(ray.origin, ray.direction, 0.0f, 0.0f, hit);
-        vec3 origin = kernel.offsetRayOrigin(s.position, s.geometricNormal);
+        vec3 origin = kernel.offsetRayOrigin(s.position, s.geometricNormal, s.clearance);
         if (dot(s.geometricNormal, toSun) > 0.0f) classes[1].rays.push_back(makeRay(origin, toSun, KernelType::FLOAT_MAX));
         vec3 tangent, bitangent;
         kernel.orthonormalBasis(s.geometricNormal, tangent, bitangent);

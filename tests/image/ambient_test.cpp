@@ -1,5 +1,7 @@
 #include "tests/image/picture.h"
+#include "tests/support/random.h"
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
 namespace heliograph {
@@ -56,6 +58,28 @@ TEST(Ambient, AWhiteMetalInAFurnaceNeverGains) {
         if (roughness == 0.0f) {
             for (vec4 p : picture.pixels) ASSERT_NEAR(p.x, 1.0f, 1e-3f);
         }
+    }
+}
+
+// A convex body hides nothing of the sky from itself, however it is placed: a ray that starts within what rounding moves would
+// meet it again.
+TEST(AmbientOcclusion, AConvexBodyDoesNotDarkenItselfWhereverItIsPlaced) {
+    Random random(5);
+    for (int i = 0; i < 24; i++) {
+        const float size = static_cast<float>(random.magnitude(1e-6, 1e6));
+        const vec3 center = random.direction() * (size * float(i % 3 == 0 ? 0.0 : random.magnitude(1.0, 1e3)));
+        const vec3 uneven = i % 2 == 0 ? vec3(1.0f) : vec3(1.0f, random.real(0.05f, 1.0f), random.real(0.05f, 1.0f));
+        const mat4 turn = glm::rotate(mat4(1.0f), random.real(0.0f, 3.0f), random.direction());
+        SceneBuilder builder = darkness(vec3(1.0f));
+        const uint32_t mesh = builder.addMesh(icosphere(2, builder.addMaterial(paint(vec3(1.0f)), "white")));
+        builder.addInstance(mesh, glm::translate(mat4(1.0f), center) * turn * glm::scale(mat4(1.0f), uneven * size));
+        builder.addInstance(mesh, glm::translate(mat4(1.0f), center + vec3(0, 0, -100.0f * size)) *
+                                      glm::scale(mat4(1.0f), vec3(size)));  // so that both are placed
+        const Picture picture =
+            render(builder.finish(), lookAt(center + vec3(0, 0, 3.0f * size), center), occlusion(16, 1000.0f));
+        size_t darker = 0;
+        for (vec4 p : picture.pixels) darker += p.x < 1.0f - 1e-4f;
+        EXPECT_EQ(darker, 0u) << i << ": size " << size << " at " << glm::length(center);
     }
 }
 

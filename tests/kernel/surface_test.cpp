@@ -290,7 +290,7 @@ TerminatorError terminatorError(bool mitigated) {
         shading.diffuse = vec3(1.0f);
         shading.exponent = 0.0f;
         auto shadow = kernel.lightRay(0, s, shading, -vec3(glm::normalize(target - dvec3(origin))), vec3(1.0f));
-        if (!mitigated) shadow.ray.origin = kernel.offsetRayOrigin(s.position, s.geometricNormal);
+        if (!mitigated) shadow.ray.origin = kernel.offsetRayOrigin(s.position, s.geometricNormal, s.clearance);
         const bool dark = blocked(body, dvec3(shadow.ray.origin), dvec3(shadow.ray.direction), shadow.ray.tMax);
         const double exact = cosine * 2500.0 / glm::dot(toLight, toLight);
         const double shown = dark ? 0.0 : EXACT_PI * shadow.contribution.x;

@@ -36,6 +36,7 @@ struct Bench {
 /// A point at the origin whose facet faces +z, seen under `cosine`.
 EveryKernel::Surface flatSurface(float side) {
     EveryKernel::Surface s{};
+    s.clearance = 1e-6f;
     s.geometricNormal = s.normal = vec3(0, 0, 1);
     s.side = side;
     s.distance = 2.0f;

@@ -112,7 +112,7 @@ BlockRays makeBlock(const EmbreeScene& scene, const FrameConstants& frame, uvec2
             if (k.maxComponent(ray.contribution) > 0.0f) shadows[l].push(ray.ray.origin, ray.ray.direction, ray.ray.tMax);
         }
         if (k.needsOcclusion(k.ambientContribution(m, -path.direction, path.throughput)))
-            points.push_back({k.offsetRayOrigin(s.position, s.geometricNormal), m.normal, s.geometricNormal,
+            points.push_back({k.offsetRayOrigin(s.position, s.geometricNormal, s.clearance), m.normal, s.geometricNormal,
                               k.occlusionShift(pixel, path.salt)});
     });
     for (const RayList& list : shadows) rays.shadow.append(list);

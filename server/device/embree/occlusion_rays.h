@@ -16,7 +16,7 @@ public:
 
     /// Takes the points of a group whose `bits` are set.
     void push(const Group& g, uint32_t bits, const Path& path, const Arrival& a) {
-        Vec3 origin = kernel_.offsetRayOrigin(a.surface.position, a.surface.geometricNormal);
+        Vec3 origin = kernel_.offsetRayOrigin(a.surface.position, a.surface.geometricNormal, a.surface.clearance);
         Uint shift = kernel_.occlusionShift(Uvec2(g.load(arena_.pixelX), g.load(arena_.pixelY)), path.salt);
         for (; bits; bits &= bits - 1) {
             int i = __builtin_ctz(bits);

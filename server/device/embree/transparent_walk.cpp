@@ -28,7 +28,7 @@ vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, f
         if (!(kernel.maxComponent(through) > 0.0f)) return vec3(0.0f);
         left -= surface.distance;
         if (!(left > 0.0f)) return through;
-        from = kernel.offsetRayOrigin(surface.position, -surface.geometricNormal);
+        from = kernel.offsetRayOrigin(surface.position, -surface.geometricNormal, surface.clearance);
     }
     return vec3(0.0f);
 }

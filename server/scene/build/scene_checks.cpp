@@ -2,6 +2,8 @@
 
 #include "server/scene/build/default_camera.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -76,7 +78,7 @@ bool repairLight(Light& light) {
         if (!finite(light.edge) || !(glm::length(light.edge) > 0.0f)) return false;
         if (!std::isfinite(light.aspect) || light.aspect < 0.0f) light.aspect = 0.0f;
     }
-    light.intensity = glm::clamp(light.intensity, vec3(0.0f), vec3(1e12f));
+    light.intensity = glm::max(light.intensity, vec3(0.0f));
     const float length = glm::length(light.direction);
     if (length > 0.0f && std::isfinite(length)) {
         light.direction /= length;
@@ -150,6 +152,15 @@ void checkLights(SceneDraft& draft) {
     const size_t dropped = dropUnless(draft.lights, repairLight);
     if (dropped > 0)
         addWarning(draft, std::to_string(dropped) + " lights were left out: not finite, without direction or beyond 1e18");
+    // What a light of a unit scene may have, carried over by the inverse square; more would leave float on the way to a pixel.
+    const double reach = std::max(1.0, static_cast<double>(draft.scene.bounds.radius()));
+    const auto strongest = static_cast<float>(std::min(1e12 * reach * reach, 1e36));
+    size_t weakened = 0;
+    for (Light& light : draft.lights) {
+        weakened += glm::any(glm::greaterThan(light.intensity, vec3(strongest)));
+        light.intensity = glm::min(light.intensity, vec3(strongest));
+    }
+    if (weakened > 0) addWarning(draft, fmt::format("{} lights were stronger than {:g}: drawn with that", weakened, strongest));
 }
 
 void placeParallelCameras(SceneDraft& draft) {
