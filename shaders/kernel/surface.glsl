@@ -120,6 +120,20 @@ void addTangent(INOUT(Surface) s, uint instance, uvec4 corners, float w, float u
     s.tangentSign = SELECT(has, ta.w * winding, 0.0f);
 }
 
+// What the two edges say of the facet; gives twice its area. `reach`: as in clearanceOf.
+float setFacet(INOUT(Surface) s, vec3 reach, float winding, vec3 direction) {
+    float scale = scaleToOne(s.edge1, s.edge2);
+    vec3 scaled1 = s.edge1 * scale;
+    vec3 scaled2 = s.edge2 * scale;
+    vec3 facing = cross(scaled1, scaled2) * winding;
+    float scaledArea = sqrt(dot(facing, facing));
+    float perArea = 1.0f / SELECT(scaledArea > 0.0f, scaledArea, 1.0f);
+    s.side = SELECT(dot(facing, direction) < 0.0f, 1.0f, -1.0f);
+    s.geometricNormal = facing * (s.side * perArea);
+    s.clearance = clearanceOf(s.geometricNormal, reach, scaled1, scaled2, scale, perArea);
+    return scaledArea * square(inverseOfPower(scale));
+}
+
 Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread, Hit hit) {
     Surface s;
     uint triangle = INSTANCE(hit.instance, firstTriangle) + hit.primitive;
@@ -157,19 +171,11 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
     }
     s.edge1 = b - a;
     s.edge2 = c - a;
-    float scale = scaleToOne(s.edge1, s.edge2);
     Barycentrics bary = triangleBarycentrics(origin, direction, a, s.edge1, s.edge2);
     float w = 1.0f - bary.u - bary.v;
     s.distance = bary.t;
     s.position = a * w + b * bary.u + c * bary.v;
-    vec3 scaled1 = s.edge1 * scale;
-    vec3 scaled2 = s.edge2 * scale;
-    vec3 facing = cross(scaled1, scaled2) * winding;
-    float scaledArea = sqrt(dot(facing, facing));
-    float perArea = 1.0f / SELECT(scaledArea > 0.0f, scaledArea, 1.0f);
-    s.side = SELECT(dot(facing, direction) < 0.0f, 1.0f, -1.0f);
-    s.geometricNormal = facing * (s.side * perArea);
-    s.clearance = clearanceOf(s.geometricNormal, reach, scaled1, scaled2, scale, perArea);
+    float doubleArea = setFacet(s, reach, winding, direction);
     vec3 smooth_ = normalize3(na * w + nb * bary.u + nc * bary.v) * s.side;
     // A smooth normal that looks away from the viewer would shade a back: the facet's own serves there.
     s.normal = SELECT(dot(smooth_, s.geometricNormal) > 0.0f, smooth_, s.geometricNormal);
@@ -179,7 +185,7 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
     s.footprint = vec2(0.0f, 0.0f);
     if (HAS(EFFECT_TEXTURES)) {
         addTextureCoordinates(s, vec3(nua.w, nub.w, nuc.w), ia, ib, ic, w, bary.u, bary.v);
-        setFootprint(s, scaledArea * square(inverseOfPower(scale)), coneWidth + coneSpread * max(s.distance, 0.0f), -dot(s.geometricNormal, direction));
+        setFootprint(s, doubleArea, coneWidth + coneSpread * max(s.distance, 0.0f), -dot(s.geometricNormal, direction));
     }
     if (HAS(EFFECT_VERTEX_COLORS))
         s.color = unpackColor(ATTRIBUTE(ia, color), POSITION(ia).w) * w + unpackColor(ATTRIBUTE(ib, color), POSITION(ib).w) * bary.u
