@@ -16,8 +16,7 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.fogCenter = scene.bounds.empty() ? vec3(0.0f) : scene.bounds.center();
     constants.rayReach = scene.rayReach();
     constants.fogSigma = request.settings.fogDensity / std::max(constants.fogRadius, 1e-20f);
-    // One sequence for every request: pictures of the same view are equal, and so are films of two servers.
-    constants.seed = 1;
+    constants.seed = request.seed;
 #define SETTING_K_INT(name, group, acts, def, low, high, unit, label, effect, price, help) \
     constants.name = request.settings.name;
 #define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) \

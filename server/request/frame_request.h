@@ -18,6 +18,9 @@ struct FrameRequest {
     uvec2 resolution{0, 0};
     uint32_t generation = 0;               // grows with each new request of a viewer
     std::optional<Camera> previousCamera;  // a frame ago, for motion blur; none: the camera rests
+    // Of the pixels' hashes. One for every viewer: pictures of the same view are equal, and so are films of two servers. The
+    // lab's references have others.
+    uint32_t seed = 1;
 };
 
 /// Fills the kernel's block. `scene` gives the light count, the AO radius and the ball of fog.
