@@ -1,6 +1,6 @@
 #include "server/app/program.h"
 
-#include "server/app/bench_command.h"
+#include "server/app/bench/bench_command.h"
 #include "server/app/devices_command.h"
 #include "server/app/doctor_command.h"
 #include "server/app/inspect_command.h"

@@ -12,6 +12,7 @@ namespace heliograph {
 namespace {
 
 constexpr double MOST_PSNR_DB = 99.0;
+constexpr double TRIMMED = 0.001;        // of the pixels
 constexpr double RELATIVE_FLOOR = 0.01;  // of the squared reference; Rousselle et al. 2011
 
 void requireEqual(uvec2 a, uvec2 b) {
@@ -23,18 +24,26 @@ void requireEqual(uvec2 a, uvec2 b) {
 LinearError linearError(const LinearPicture& picture, const LinearPicture& reference) {
     requireEqual(picture.resolution, reference.resolution);
     double sum = 0.0, referenceSum = 0.0, squares = 0.0, relative = 0.0;
+    std::vector<double> byPixel(reference.pixels.size());
     for (size_t i = 0; i < reference.pixels.size(); i++) {
         for (int channel = 0; channel < 3; channel++) {
             const double x = picture.pixels[i][channel], r = reference.pixels[i][channel];
             sum += x;
             referenceSum += r;
-            squares += (x - r) * (x - r);
+            byPixel[i] += (x - r) * (x - r);
             relative += (x - r) * (x - r) / (r * r + RELATIVE_FLOOR);
         }
     }
-    const double count = 3.0 * static_cast<double>(reference.pixels.size());
+    const auto pixels = static_cast<double>(byPixel.size());
+    const double count = 3.0 * pixels;
     const double scale = referenceSum > 0.0 ? referenceSum / count : 1.0;
-    return {std::sqrt(squares / count) / scale, relative / count, (sum - referenceSum) / count / scale};
+    const auto kept = byPixel.end() - static_cast<ptrdiff_t>(TRIMMED * pixels);
+    std::nth_element(byPixel.begin(), kept - 1, byPixel.end());
+    for (auto square = byPixel.begin(); square != kept; ++square) squares += *square;
+    const double trimmed = squares / (3.0 * static_cast<double>(kept - byPixel.begin()));
+    for (auto square = kept; square != byPixel.end(); ++square) squares += *square;
+    return {std::sqrt(trimmed) / scale, relative / count, (sum - referenceSum) / count / scale,
+            std::sqrt(squares / count) / scale};
 }
 
 DisplayError displayError(const DisplayImage& picture, const DisplayImage& reference) {

@@ -7,13 +7,16 @@ namespace heliograph {
 
 /// On linear radiance, over all pixels and the three channels.
 struct LinearError {
-    /// Root of the mean squared difference over the reference's mean (normalised root mean squared error).
+    /// Root of the mean squared difference over the reference's mean (normalised root mean squared error), without the thousandth
+    /// of the pixels that is farthest off (least trimmed squares; P. Rousseeuw, "Least Median of Squares Regression", 1984): the
+    /// few pixels with the reflection of a lamp are as good as chance, and would be all that the figure tells of.
     double rmse = 0.0;
     /// Mean of (x - r)^2 / (r^2 + 0.01): dark places count as much as light ones (relative mean squared error; F. Rousselle,
     /// C. Knaus, M. Zwicker, "Adaptive Sampling and Reconstruction using Greedy Error Minimization", 2011, section 5).
     double relativeMse = 0.0;
     /// Mean of x over the mean of the reference, less 1: above 0 the picture is too bright.
     double bias = 0.0;
+    double rmseAll = 0.0;  // `rmse` with all pixels
 };
 
 /// On display codes, RGB of 0 to 255.

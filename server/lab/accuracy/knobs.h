@@ -43,8 +43,8 @@ Settings turned(Settings settings, const Knob& knob, std::string_view value);
 /// The value that the settings have, spelled as `values` are where it is one of them.
 std::string valueOf(const Settings& settings, const Knob& knob);
 
-/// Every cut at its most exact value: what the view would be if nothing were left out of what its switches ask for. Grain is
-/// as given, but for occlusion rays with an aoPower other than 1, which the mean then depends on.
+/// Every cut at its most exact value, but for a contributionThreshold of 0.0002 that keeps glass from endless rays: what the view
+/// would be if nothing were left out of what its switches ask for. Grain is as given, but for occlusion rays with an aoPower other than 1, which the mean then depends on.
 Settings mostExact(Settings settings);
 /// Every part of the transport of light there, by the path integrator, without a cut.
 Settings allLight(Settings settings);

@@ -46,6 +46,11 @@ LinearPicture resized(const LinearPicture& picture, uvec2 size) {
     return result;
 }
 
+LinearPicture limited(LinearPicture picture, float ceiling) {
+    for (vec4& pixel : picture.pixels) pixel = glm::min(pixel, vec4(ceiling));
+    return picture;
+}
+
 DisplayImage resized(const DisplayImage& image, uvec2 size) {
     if (uvec2(image.width, image.height) == size) return image;
     DisplayImage result{size.x, size.y, std::vector<uint8_t>(4ull * size.x * size.y)};

@@ -17,7 +17,9 @@ struct LinearPicture {
 /// The picture at another size: bilinear between pixel centres, borders repeated, as a browser stretches a picture. The same
 /// picture where the size is its own.
 LinearPicture resized(const LinearPicture& picture, uvec2 size);
-/// The same of display codes, rounded.
+/// Radiance above `ceiling` taken as that, in each channel.
+LinearPicture limited(LinearPicture picture, float ceiling);
+/// The picture at another size, of display codes, rounded.
 DisplayImage resized(const DisplayImage& image, uvec2 size);
 
 }  // namespace heliograph

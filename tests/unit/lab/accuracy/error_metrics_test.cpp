@@ -45,6 +45,16 @@ TEST(LinearError, IsThatOfItsDefinition) {
     EXPECT_DOUBLE_EQ(linearError(reference, reference).rmse, 0.0);
 }
 
+TEST(LinearError, LeavesTheWorstThousandthOut) {
+    std::vector<vec3> pixels(2000, vec3(1.0f));
+    pixels[7] = pixels[900] = vec3(101.0f);  // 0.1 %
+    const LinearPicture even = linear(std::vector<vec3>(2000, vec3(1.0f)));
+    EXPECT_DOUBLE_EQ(linearError(linear(pixels), even).rmse, 0.0);
+    EXPECT_NEAR(linearError(linear(pixels), even).rmseAll, std::sqrt(2.0 * 1e4 / 2000.0), 1e-12);
+    pixels[1500] = vec3(2.0f);  // the third one stays in
+    EXPECT_NEAR(linearError(linear(pixels), even).rmse, std::sqrt(1.0 / 1998.0), 1e-12);
+}
+
 TEST(LinearError, OfABlackReferenceIsThePlainDifference) {
     EXPECT_DOUBLE_EQ(linearError(linear({vec3(0.5f)}), linear({vec3(0.0f)})).rmse, 0.5);
 }
@@ -155,6 +165,11 @@ TEST(Resized, IsExactForRampsAndItself) {
     EXPECT_NEAR(twice.pixels[8 + 3].x, 1.25f, 1e-6f);
     EXPECT_NEAR(twice.pixels[8 + 3].y, 0.25f, 1e-6f);
     EXPECT_EQ(twice.pixels[0], ramp.pixels[0]);  // borders are repeated
+}
+
+TEST(Limited, CutsWhatIsBrighterAndNothingElse) {
+    const LinearPicture cut = limited(linear({vec3(0.5f, 8.0f, 9000.0f)}), 8.0f);
+    EXPECT_EQ(vec3(cut.pixels[0]), vec3(0.5f, 8.0f, 8.0f));
 }
 
 TEST(Pareto, KeepsWhatNothingBeats) {

@@ -1,6 +1,7 @@
-#include "server/app/bench_command.h"
+#include "server/app/bench/bench_command.h"
 
-#include "server/app/bench_effects.h"
+#include "server/app/bench/bench_accuracy.h"
+#include "server/app/bench/bench_effects.h"
 #include "server/app/devices.h"
 #include "server/base/output_file.h"
 #include "server/base/progress_bar.h"
@@ -311,6 +312,7 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
     devices->callback([&run, options] { run = [options] { return runBenchDevices(*options, std::cout); }; });
     addScheduleBench(*bench, run);
     addBenchEffects(*bench, run);
+    addBenchAccuracy(*bench, run);
 }
 
 }  // namespace heliograph

@@ -1,4 +1,4 @@
-#include "server/app/bench_effects.h"
+#include "server/app/bench/bench_effects.h"
 
 #include "server/lab/bench_partner.h"
 #include "server/app/devices.h"
