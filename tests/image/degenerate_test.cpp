@@ -155,6 +155,22 @@ TEST(Degenerate, LightsAndCamerasOnTheSurfaceGiveFinitePictures) {
     }
 }
 
+// Two walls in one place: the first is seen everywhere, whatever traces it.
+TEST(Degenerate, OfTwoWallsInOnePlaceTheFirstIsSeen) {
+    SceneBuilder builder = darkness(vec3(1.0f));
+    place(builder,
+          panel(vec3(-3, -3, 0.1f), vec3(6, 0, 1), vec3(0, 6, 0.5f), builder.addMaterial(paint(vec3(1, 0, 0)), "red")));
+    place(builder,
+          panel(vec3(-3, -3, 0.1f), vec3(6, 0, 1), vec3(0, 6, 0.5f), builder.addMaterial(paint(vec3(0, 1, 0)), "green")));
+    const auto scene = builder.finish();
+    for (bool packets : {false, true}) {
+        Settings settings;
+        settings.primaryPackets = packets;
+        const Picture picture = render(scene, lookAt(vec3(0, 0, 4), vec3(0.0f)), settings);
+        for (vec4 p : picture.pixels) ASSERT_TRUE(p.x > 0.5f && p.y == 0.0f);
+    }
+}
+
 // A power of two scales every quantity exactly, so the picture is the same bit for bit.
 TEST(Degenerate, TinyAndHugeWorldsLookTheSame) {
     const auto picture = [](float scale, bool placed) {

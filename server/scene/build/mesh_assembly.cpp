@@ -6,6 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -81,6 +82,7 @@ public:
         layOut();
         for (const Copy& copy : baked_) write(copy);
         for (const Copy& copy : shared_) write(copy);
+        for (const Mesh& mesh : scene_.meshes) dropCoincident(mesh);
         placeInstances();
         report();
         draft_.meshes = {};
@@ -335,6 +337,45 @@ private:
         }
     }
 
+    vec3 cornerOf(uint32_t triangle, int k) const { return vec3(scene_.positions[scene_.triangles[triangle][k % 3]]) + 0.0f; }
+
+    /// Of triangles with the same corners one is drawn, the first, on every device and by every tree: the others lose their area.
+    void dropCoincident(const Mesh& mesh) {
+        std::vector<std::pair<uint64_t, uint32_t>> order(mesh.triangleCount);
+        tbb::parallel_for(uint32_t(0), mesh.triangleCount, [&](uint32_t i) {
+            for (int k = 0; k < 3; k++) {
+                const uvec3 bits = glm::floatBitsToUint(cornerOf(mesh.firstTriangle + i, k));
+                const uint64_t hash = (bits.x * 0x9e3779b97f4a7c15u ^ bits.y) * 0xbf58476d1ce4e5b9u ^ bits.z;
+                order[i].first += (hash ^ hash >> 31) * 0x94d049bb133111ebu;  // whichever corner comes first
+            }
+            order[i].second = mesh.firstTriangle + i;
+        });
+        tbb::parallel_sort(order.begin(), order.end());
+        constexpr size_t MOST_IN_ONE_PLACE = 8;  // that are drawn; more are not compared
+        std::vector<uint32_t> drawn;
+        for (size_t i = 0; i < order.size(); i++) {
+            if (i == 0 || order[i].first != order[i - 1].first) drawn.clear();
+            const uint32_t own = order[i].second;
+            const bool hidden = std::ranges::any_of(drawn, [&](uint32_t other) { return hides(mesh, other, own); });
+            if (hidden) scene_.triangles[own] = uvec4(uvec3(scene_.triangles[own].x), scene_.triangles[own].w), coincident_++;
+            else if (drawn.size() < MOST_IN_ONE_PLACE) drawn.push_back(own);
+        }
+    }
+
+    /// From both sides where both have one material without an inside. What has holes or lets light through hides its like alone.
+    bool hides(const Mesh& mesh, uint32_t first, uint32_t second) const {
+        const vec3 a = cornerOf(first, 0), b = cornerOf(first, 1), c = cornerOf(first, 2);
+        int k = 0;
+        while (k < 3 && cornerOf(second, k) != a) k++;
+        const vec3 next = cornerOf(second, k + 1), last = cornerOf(second, k + 2);
+        const bool turned = next == c && last == b;
+        if (k == 3 || a == b || b == c || c == a || (!turned && (next != b || last != c))) return false;
+        const uint32_t material = scene_.triangles[first].w;
+        const bool same = material == scene_.triangles[second].w;
+        if (turned) return same && (scene_.materials[material].flags & MATERIAL_VOLUME) == 0;
+        return same || mesh.opacity == OPACITY_OPAQUE;
+    }
+
     void placeInstances() {
         for (uint32_t mesh : bakedMesh_) {
             if (mesh != NO_INDEX) scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
@@ -353,6 +394,9 @@ private:
             addWarning(draft_,
                        std::to_string(dropped_) + " instances were left out: their transform is not finite or leaves no area");
         }
+        if (coincident_ > 0)
+            addWarning(draft_,
+                       std::to_string(coincident_) + " triangles lie exactly on others: of each place the first is drawn");
         if (!scene_.bounds.empty()) return;
         addWarning(draft_, "the scene has no triangles");
         scene_.bounds.low = vec3(-1.0f);
@@ -370,6 +414,7 @@ private:
     std::vector<std::array<uint32_t, 3>> sharedMesh_;
     uint64_t bakedVertices_ = 0;
     uint64_t dropped_ = 0;
+    uint64_t coincident_ = 0;
     bool anyTangents_ = false;
     const MeshData* boxed_ = nullptr;  // the mesh that box_ belongs to
     Bounds box_;
