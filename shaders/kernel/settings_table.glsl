@@ -42,6 +42,7 @@ SETTING_INT(frameRate, picture, loop, 20, 1, 60, "/s", "Frame rate", "", "", "Pi
 SETTING_INT(samples, picture, loop, 64, 1, 65536, "per pixel", "Samples at rest", "", "up", "How many samples a pixel collects while the camera rests. More samples, smoother edges.")
 SETTING_CHOICE(integrator, effects, film, 0, "interactive|path", "Integrator", "path", "", "interactive estimates light that bounces often and is clear after few samples. path follows all bounces: right, and grainy until it has hundreds of samples.")
 SETTING_K_INT(maxBounces, effects, film, 16, 1, 255, "bounces", "Max bounces", "path", "up", "How many surfaces in a row a path is followed to. What comes after is black.")
+SETTING_K_INT(russianRoulette, effects, film, 0, 0, 255, "bounces", "Russian roulette", "path", "", "After so many bounces a path ends by chance, the sooner the less it carries. Fewer rays, more grain, the same mean. 0: never.")
 SETTING_BOOL(shadows, effects, film, true, "Shadows", "shadows", "on", "Shadows from every light. Costs one ray per light and visible point.")
 SETTING_BOOL(softShadows, effects, film, true, "Soft shadows", "softShadows", "on", "Lights that have an extent throw soft shadows; off takes them as points.")
 SETTING_K_INT(shadowSamples, effects, film, 4, 1, 256, "rays", "Shadow samples", "softShadows", "up", "Rays per light with an extent, visible point and sample. More rays, less grain in half shadows.")

@@ -223,6 +223,42 @@ TEST(Path, WhatReflectsEverythingIsInvisibleInAFurnace) {
     }
 }
 
+// Roulette leaves the mean: several pictures' means against their own spread, and fewer rays.
+TEST(Path, RouletteLeavesTheMeanAndSparesRays) {
+    SceneBuilder builder = darkness();
+    Material wall = paint(vec3(0.6f));
+    wall.emission = vec4(0.5f, 0.5f, 0.5f, 0.0f);
+    place(builder, insideOut(box(vec3(-2), vec3(2), builder.addMaterial(wall, "wall"))));
+    Material metal = SceneBuilder::defaultMaterial();
+    metal.metallic = 1.0f;
+    metal.roughness = 0.3f;
+    metal.baseColor = vec4(0.9f, 0.9f, 0.9f, 1.0f);
+    place(builder, icosphere(3, builder.addMaterial(metal, "metal")));
+    const auto scene = builder.finish();
+    Settings always = exact(true), roulette = exact(true);
+    roulette.russianRoulette = 2;
+    const auto measured = [&](const Settings& settings, double& deviation, double& rays) {
+        double sum = 0.0, squares = 0.0;
+        const int pictures = 12;
+        for (int i = 0; i < pictures; i++) {
+            const float turn = 0.5f * float(i);
+            const vec3 eye(1.7f * std::cos(turn), 0.4f, 1.7f * std::sin(turn));
+            const Picture picture = render(scene, lookAt(eye, vec3(0.0f), 70.0f), settings, 64, uvec2(33, 33));
+            const double mean = meanRed(picture);
+            sum += mean, squares += mean * mean;
+            rays += double(picture.stats.rays.total());
+        }
+        const double mean = sum / pictures;
+        deviation = std::sqrt(std::max(squares / pictures - mean * mean, 0.0) / (pictures - 1));
+        return mean;
+    };
+    double spread = 0.0, all = 0.0, ownSpread = 0.0, some = 0.0;
+    const double whole = measured(always, spread, all), mean = measured(roulette, ownSpread, some);
+    EXPECT_NEAR(mean / whole, 1.0, 0.005);
+    EXPECT_LT(std::abs(mean - whole), 4.0 * std::hypot(spread, ownSpread) + 1e-6);
+    EXPECT_LT(some, 0.6 * all);
+}
+
 // ---- rough glass ----
 
 TEST(RoughGlass, BlursWhatIsBehindAPaneAndLeavesItsMean) {

@@ -3,9 +3,24 @@
 // out: light that only passes solid glass to a light without extent.
 
 UINT_CONSTANT(PATH_SALT, 0x70617468u)
+FLOAT_CONSTANT(LEAST_CHANCE, 0.05f)  // that a path goes on
 
 float weightOf(uint next, uint bit, IN(PathState) path) {
     return SELECT((next & bit) != 0u, maxComponent(path.throughput), 0.0f);
+}
+
+// Ends the path of a.next with the chance that it lacks of full weight, and gives the others what it carried: Arvo & Kirk, "Particle
+// Transport and Image Synthesis" (1990). The shares of light with rays to sampled lights stay as they are: they add up to one
+// whatever the chance. `v` in [0, 1).
+void endByChance(float v, INOUT(Arrival) a) {
+#define END_BY_CHANCE(bit, path)                                                                       \
+    {                                                                                                  \
+        bool taken = (a.next & bit) != 0u && bounces(a.path.depth) >= FRAME.russianRoulette;           \
+        float chance = SELECT(taken, min(max(maxComponent(a.path.throughput), LEAST_CHANCE), 1.0f), 1.0f); \
+        a.next = SELECT(taken && v >= chance, uint(0u), a.next);                                       \
+        a.path.throughput = a.path.throughput * (1.0f / chance);                                       \
+    }
+    FOR_NEXT_PATHS(END_BY_CHANCE)
 }
 
 // Keeps one of the paths that go on, weighted by one over its chance; tells the rays to sampled lights of it.
@@ -20,7 +35,8 @@ void chooseOne(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, INOUT(Arrival) 
     float sum = diffuse + reflected + passed + refracted;
     float perSum = 1.0f / SELECT(sum > 0.0f, sum, 1.0f);
     uint shift = hashPixel(pixel, hashUint(salt + PATH_SALT) + FRAME.seed);
-    float u = unitFloat(shuffledPoint(sampleIndex, shift).x ^ shift) * sum;
+    uvec2 number = shuffledPoint(sampleIndex, shift);
+    float u = unitFloat(number.x ^ shift) * sum;
     uint next = SELECT(u < diffuse, uint(NEXT_INDIRECT), SELECT(u < diffuse + reflected, uint(NEXT_REFLECTION),
                 SELECT(u < diffuse + reflected + passed, uint(NEXT_PASS), uint(NEXT_REFRACTION))));
     a.next = a.next & next;
@@ -33,4 +49,5 @@ void chooseOne(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, INOUT(Arrival) 
     a.refraction.throughput = a.refraction.throughput * (sum / max(refracted, 1.0e-30f));
     a.shares.diffuseChance = a.shares.diffuseChance * (diffuse * perSum);
     a.shares.specularChance = a.shares.specularChance * (reflected * perSum);
+    if (FRAME.russianRoulette > 0u) endByChance(unitFloat(number.y ^ hashUint(shift)), a);
 }
