@@ -30,14 +30,17 @@ operations() { sed -E 's/^%[0-9]+ = //; s/ .*//' "$1" | grep -vE '^Op(Constant|T
 
 rows=$(sed -n -E 's/^EFFECT\(([0-9]+), [A-Z_]+, ([A-Za-z]+),.*/\1 \2/p' shaders/kernel/effect_table.glsl)
 [ -n "$rows" ] || { echo "no rows in effect_table.glsl"; echo "0 passed, 1 failed"; exit 1; }
-# Paths do what other rays do, and glossy reflections what mirrors do: rows before those two are looked at without them.
+# Paths do what other rays do, and glossy reflections what mirrors do: rows before those two are looked at without them. So do
+# occlusion rays what images of occlusion do.
 every=0
 path=0
 glossy=0
+occlusion=0
 while read -r bit name; do
     every=$((every | 1 << bit))
     [ "$name" = path ] && path=$((1 << bit))
     [ "$name" = glossyReflections ] && glossy=$((1 << bit))
+    [ "$name" = ambientOcclusion ] && occlusion=$((1 << bit))
 done <<<"$rows"
 whole=$every
 
@@ -47,6 +50,7 @@ while read -r bit name; do
     case $name in
         path) every=$whole ;;
         glossyReflections) every=$((whole & ~path)) ;;
+        occlusionTextures) every=$((whole & ~path & ~occlusion)) ;;
         *) every=$((whole & ~path & ~glossy)) ;;
     esac
     specialised "$every" "$folder/trace.spv" "$folder/all" || { echo "0 passed, 1 failed"; exit 1; }

@@ -29,7 +29,8 @@ using glm::vec4;
 static_assert(sizeof(VertexAttributes) == 32 && offsetof(VertexAttributes, color) == 28);
 static_assert(sizeof(Mesh) == 32);
 static_assert(sizeof(Instance) == 112 && offsetof(Instance, mesh) == 96);
-static_assert(sizeof(Material) == 144 && offsetof(Material, metallic) == 80 && offsetof(Material, flags) == 112);
+static_assert(sizeof(Material) == 160 && offsetof(Material, metallic) == 80 && offsetof(Material, flags) == 112 &&
+              offsetof(Material, occlusionTexture) == 144);
 static_assert(sizeof(TextureSlot) == 48 && offsetof(TextureSlot, image) == 24);
 static_assert(sizeof(Image) == 16 && sizeof(ImageLevel) == 16);
 static_assert(sizeof(Light) == 80 && offsetof(Light, intensity) == 32 && offsetof(Light, edge) == 64);

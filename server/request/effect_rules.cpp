@@ -88,9 +88,9 @@ Finding byMaterial(const Usage& usage, const std::string& lack, const std::funct
     return {true, counted(found.size(), "material") + " (" + names + "), " + counted(triangles, "triangle")};
 }
 
-std::array<uint32_t, 7> textureSlots(const Material& m) {
-    return {m.baseTexture,    m.metallicRoughnessTexture, m.normalTexture,  m.emissionTexture,
-            m.opacityTexture, m.transmissionTexture,      m.specularTexture};
+std::array<uint32_t, 8> textureSlots(const Material& m) {
+    return {m.baseTexture,    m.metallicRoughnessTexture, m.normalTexture,   m.emissionTexture,
+            m.opacityTexture, m.transmissionTexture,      m.specularTexture, m.occlusionTexture};
 }
 
 bool hasTexture(const Material& m) {
@@ -310,6 +310,12 @@ Finding absorption(const Usage& usage) {
 
 Finding textures(const Usage& usage) { return byItsMaterial(usage, "no material has a texture", hasTexture); }
 Finding normalMaps(const Usage& usage) { return byItsMaterial(usage, "no normal or bump image", bumpy); }
+
+Finding occlusionTextures(const Usage& usage) {
+    return byItsMaterial(usage, "no occlusion image", [](const Material& m) {
+        return m.occlusionTexture != NO_INDEX && m.occlusionStrength > 0.0f && lit(m);
+    });
+}
 
 Finding vertexColors(const Usage& usage) {
     return byMaterial(usage, "every vertex is white", [&](uint32_t m) { return bool(usage.coloured[m]); });

@@ -33,4 +33,6 @@ EFFECT(23, EFFECT_ENVIRONMENT_LIGHT, environmentLight, environmentLight, EFFECT_
 EFFECT(24, EFFECT_SURFACE_LIGHTS, surfaceLights, surfaceLights, 0, none, surfaceLights, everything, "Glowing surfaces light others: one ray a visible point, to a place that is chosen by power.")
 EFFECT(25, EFFECT_ROUGH_GLASS, roughGlass, roughGlass, EFFECT_REFRACTIONS, none, roughGlass, everything, "Rough glass blurs what is seen through it and what it reflects.")
 EFFECT(26, EFFECT_PATH, path, integrator, 0, none, path, everything, "All bounces of light: one path a sample, with rays to the lights from each surface on it.")
+EFFECT(27, EFFECT_ANISOTROPIC_TEXTURES, anisotropicTextures, textureFilter, 0, none, textures, spread, "Textures that are seen at a flat angle stay sharp across: several samples along the long way.")
+EFFECT(28, EFFECT_OCCLUSION_TEXTURES, occlusionTextures, occlusionTextures, 0, none, occlusionTextures, sharp, "Images say how much ambient light hollows get, where no ray finds that out.")
 #undef EFFECT

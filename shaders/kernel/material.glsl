@@ -15,9 +15,13 @@ struct Shading {
     float transmission; // share of the light not reflected that passes
     float mirror;       // Phong: constant reflectance
     float ior;
+    float occlusion;    // share of the ambient light that arrives; with USES_OCCLUSION_TEXTURES alone
     uint flags;         // MATERIAL_*
     vec3 facet;         // unit, about which it reflects: the normal, or what reflectingNormal chooses
 };
+
+// Rays that find out what hides the surroundings would count it twice.
+#define USES_OCCLUSION_TEXTURES (HAS(EFFECT_OCCLUSION_TEXTURES) && !HAS(EFFECT_AMBIENT_OCCLUSION | EFFECT_PATH))
 
 // Slope of a height image: three heights one texel apart; y runs against v, as in normal maps. Blinn, "Simulation of Wrinkled Surfaces" (1978).
 vec3 bumpNormal(IN(Surface) s, uint slot, float scale) {
@@ -25,9 +29,9 @@ vec3 bumpNormal(IN(Surface) s, uint slot, float scale) {
     uvec4 level = IMAGE_LEVEL(IMAGE(image, firstLevel));
     vec2 du = vec2(1.0f / float(int(level.y)), 0.0f);
     vec2 dv = vec2(0.0f, 1.0f / float(int(level.z)));
-    float h = sampleTexture(slot, s.uv0, s.uv1, s.footprint).x;
-    float hu = sampleTexture(slot, s.uv0 + du, s.uv1 + du, s.footprint).x;
-    float hv = sampleTexture(slot, s.uv0 + dv, s.uv1 + dv, s.footprint).x;
+    float h = sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse).x;
+    float hu = sampleTexture(slot, s.uv0 + du, s.uv1 + du, s.footprint, s.ellipse).x;
+    float hv = sampleTexture(slot, s.uv0 + dv, s.uv1 + dv, s.footprint, s.ellipse).x;
     return vec3((h - hu) * scale, (hv - h) * scale, 0.25f);
 }
 
@@ -48,7 +52,7 @@ vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
     bool usable = tt > 1.0e-20f;
     t = t * (1.0f / sqrt(SELECT(usable, tt, 1.0f)));
     vec3 bitangent = cross(s.normal, t) * (handedness * s.side);
-    vec4 texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint);
+    vec4 texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse);
     vec3 local = vec3((texel.x * 2.0f - 1.0f) * scale, (texel.y * 2.0f - 1.0f) * scale, texel.z * 2.0f - 1.0f);
     bool bump = (flags & MATERIAL_BUMP) != 0u;
     if (MET(VARIETY_BUMP) && ANY(bump)) local = SELECT(bump, bumpNormal(s, slot, scale), local);
@@ -58,8 +62,19 @@ vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
 
 // Opacity from map_d: red or alpha.
 float opacityAt(IN(Surface) s, uint slot, uint flags) {
-    vec4 texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint);
+    vec4 texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse);
     return SELECT((flags & MATERIAL_OPACITY_RED) != 0u, texel.x, texel.w);
+}
+
+// Share of the ambient light that the image lets arrive (glTF 2.0, section 3.9.3).
+float occlusionAt(IN(Surface) s, uint slot) {
+    return 1.0f + MATERIAL(s.material, occlusionStrength) * (sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse).x - 1.0f);
+}
+
+// `ambient`, less what the image keeps away.
+vec3 ambientArriving(IN(Shading) m, vec3 ambient) {
+    if (!USES_OCCLUSION_TEXTURES) return ambient;
+    return ambient * m.occlusion;
 }
 
 // Base colour and alpha with vertex colours and textures.
@@ -68,7 +83,7 @@ vec4 baseColorAt(IN(Surface) s, uint flags) {
     if (HAS(EFFECT_VERTEX_COLORS)) base = base * s.color;
     if (HAS(EFFECT_TEXTURES)) {
         uint slot = MATERIAL(s.material, baseTexture);
-        if (MET(VARIETY_BASE_TEXTURE) && ANY(slot != NO_INDEX)) base = base * sampleTexture(slot, s.uv0, s.uv1, s.footprint);
+        if (MET(VARIETY_BASE_TEXTURE) && ANY(slot != NO_INDEX)) base = base * sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse);
         uint opacitySlot = MATERIAL(s.material, opacityTexture);
         bool masked = opacitySlot != NO_INDEX;
         if (MET(VARIETY_OPACITY_TEXTURE) && ANY(masked)) base.w = SELECT(masked, base.w * opacityAt(s, opacitySlot, flags), base.w);
@@ -85,18 +100,22 @@ bool isCutOut(IN(Surface) s) {
 void applyTextures(INOUT(Shading) r, INOUT(float) metallic, IN(Surface) s) {
     uint metallicRoughness = MATERIAL(s.material, metallicRoughnessTexture);
     if (MET(VARIETY_METALLIC_ROUGHNESS_TEXTURE) && ANY(metallicRoughness != NO_INDEX)) {
-        vec4 texel = sampleTexture(metallicRoughness, s.uv0, s.uv1, s.footprint);
+        vec4 texel = sampleTexture(metallicRoughness, s.uv0, s.uv1, s.footprint, s.ellipse);
         r.roughness = r.roughness * texel.y;
         metallic = metallic * texel.z;
     }
     uint transmission = MATERIAL(s.material, transmissionTexture);
     if (MET(VARIETY_TRANSMISSION_TEXTURE) && ANY(transmission != NO_INDEX))
-        r.transmission = r.transmission * sampleTexture(transmission, s.uv0, s.uv1, s.footprint).x;
+        r.transmission = r.transmission * sampleTexture(transmission, s.uv0, s.uv1, s.footprint, s.ellipse).x;
     uint specular = MATERIAL(s.material, specularTexture);
-    if (MET(VARIETY_SPECULAR_TEXTURE) && ANY(specular != NO_INDEX)) r.f0 = r.f0 * pointOf(sampleTexture(specular, s.uv0, s.uv1, s.footprint));
+    if (MET(VARIETY_SPECULAR_TEXTURE) && ANY(specular != NO_INDEX)) r.f0 = r.f0 * pointOf(sampleTexture(specular, s.uv0, s.uv1, s.footprint, s.ellipse));
     uint emission = MATERIAL(s.material, emissionTexture);
     if (HAS(EFFECT_EMISSION)) {
-        if (MET(VARIETY_EMISSION_TEXTURE) && ANY(emission != NO_INDEX)) r.emission = r.emission * pointOf(sampleTexture(emission, s.uv0, s.uv1, s.footprint));
+        if (MET(VARIETY_EMISSION_TEXTURE) && ANY(emission != NO_INDEX)) r.emission = r.emission * pointOf(sampleTexture(emission, s.uv0, s.uv1, s.footprint, s.ellipse));
+    }
+    if (USES_OCCLUSION_TEXTURES) {
+        uint occlusion = MATERIAL(s.material, occlusionTexture);
+        if (ANY(occlusion != NO_INDEX)) r.occlusion = occlusionAt(s, occlusion);
     }
     if (HAS(EFFECT_NORMAL_MAPS)) {
         uint normal = MATERIAL(s.material, normalTexture);
@@ -120,6 +139,7 @@ Shading shadingAt(IN(Surface) s) {
     r.emission = vec3(0.0f, 0.0f, 0.0f);
     if (HAS(EFFECT_EMISSION)) r.emission = pointOf(MATERIAL(s.material, emission));
     r.normal = s.normal;
+    r.occlusion = 1.0f;
     vec4 base = baseColorAt(s, r.flags);
     if (HAS(EFFECT_TEXTURES)) applyTextures(r, metallic, s);
     r.ior = MATERIAL(s.material, ior);

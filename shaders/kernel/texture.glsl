@@ -49,6 +49,8 @@ int wrapTexel(int i, int size, uint mode) {
     return SELECT(mode == WRAP_REPEAT, around, min(max(i, 0), size - 1));
 }
 
+UINT_CONSTANT(MAX_TAPS, 16u)  // samples along a stretched footprint
+
 // Bilinear sample of one level, given as IMAGE_LEVEL gives it; u and v already wrapped into [0, 1].
 vec4 sampleLevel(uvec4 level, uint format, float u, float v, uint wrapU, uint wrapV) {
     int w = int(level.y);
@@ -84,6 +86,53 @@ vec4 sampleImage(uint image, float u, float v, uint wrapU, uint wrapV, float are
     return sampleLevel(level, IMAGE(image, format), wrapCoordinate(u, wrapU), wrapCoordinate(v, wrapV), wrapU, wrapV);
 }
 
+// A length in texels that can be squared twice.
+float usableLength(float x) { return SELECT(abs(x) < 1.0e8f, x, 1.0e8f); }
+
+// Mean of an ellipse whose conjugate diameters are p and q, in [0, 1]^2 texture space: samples in a row along its long axis, each of
+// the level that suits the short one, at most MAX_TAPS. After McCormack et al., "Feline: Fast Elliptical Lines for Anisotropic
+// Texture Mapping", SIGGRAPH 1999, with even weights.
+vec4 sampleImageAlong(uint image, float u, float v, uint wrapU, uint wrapV, vec2 p, vec2 q) {
+    uint base = IMAGE(image, firstLevel);
+    float last = float(int(IMAGE(image, levelCount))) - 1.0f;
+    uvec4 finest = IMAGE_LEVEL(base);
+    float width = float(int(finest.y));
+    float height = float(int(finest.z));
+    float px = usableLength(p.x * width);
+    float py = usableLength(p.y * height);
+    float qx = usableLength(q.x * width);
+    float qy = usableLength(q.y * height);
+    // Axes from the matrix p p' + q q': its eigenvalues are their squares.
+    float xx = px * px + qx * qx;
+    float xy = px * py + qx * qy;
+    float yy = py * py + qy * qy;
+    float half_ = 0.5f * (xx - yy);
+    float apart = sqrt(half_ * half_ + xy * xy);
+    float longest = sqrt(0.5f * (xx + yy) + apart);
+    float shortest = abs(px * qy - py * qx) / max(longest, 1.0e-30f);
+    shortest = max(max(shortest, longest * (1.0f / float(int(MAX_TAPS)))), 1.0f);
+    float taps = max(-floor(-(longest / shortest)), 1.0f);
+    bool wide = half_ >= 0.0f;
+    float ax = SELECT(wide, apart + half_, xy);
+    float ay = SELECT(wide, xy, apart - half_);
+    float scale = longest / max(sqrt(ax * ax + ay * ay), 1.0e-30f);
+    float stepU = ax * scale / (width * taps);
+    float stepV = ay * scale / (height * taps);
+    float lod = floor(log2Rough(min(shortest, 1.0e10f)) + 0.5f);
+    uvec4 level = IMAGE_LEVEL(base + uint(min(max(lod, 0.0f), last)));
+    uint format = IMAGE(image, format);
+    vec4 sum = vec4(0.0f, 0.0f, 0.0f, 0.0f);
+    float at = 0.5f - 0.5f * taps;
+    for (UNIFORM_UINT i = 0u; i < MAX_TAPS; i++) {
+        bool more = at < 0.5f * taps;
+        if (!ANY(more)) break;
+        vec4 tap = sampleLevel(level, format, wrapCoordinate(u + stepU * at, wrapU), wrapCoordinate(v + stepV * at, wrapV), wrapU, wrapV);
+        sum = SELECT(more, sum + tap, sum);
+        at = at + 1.0f;
+    }
+    return sum * (1.0f / taps);
+}
+
 // The texel at (u, v), unfiltered.
 vec4 sampleNearest(uint image, float u, float v, uint wrapU, uint wrapV) {
     uvec4 level = IMAGE_LEVEL(IMAGE(image, firstLevel));
@@ -94,9 +143,17 @@ vec4 sampleNearest(uint image, float u, float v, uint wrapU, uint wrapV) {
     return decodeTexel(TEXEL(level.x + uint(y * w + x)), IMAGE(image, format));
 }
 
+// Conjugate diameters of a footprint, in units of uv0 (x, y) and of uv1 (z, w).
+struct Ellipse {
+    vec4 along;
+    vec4 across;
+};
+
+vec2 turned(vec4 transform, vec2 d) { return vec2(transform.x * d.x + transform.y * d.y, transform.z * d.x + transform.w * d.y); }
+
 // Sample of a material's texture; white where `slot` is NO_INDEX. `areas`: squared footprint in units of uv0 and of uv1
-// before the slot's transform.
-vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, vec2 areas) {
+// before the slot's transform; `ellipse`: the same with its shape, where that counts.
+vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, vec2 areas, IN(Ellipse) ellipse) {
     bool present = slot != NO_INDEX;
     uint index = SELECT(present, slot, uint(0u));
     vec2 uv = uv0;
@@ -114,7 +171,19 @@ vec4 sampleTexture(uint slot, vec2 uv0, vec2 uv1, vec2 areas) {
     uint wrapU = TEXTURE(index, wrapU);
     uint wrapV = TEXTURE(index, wrapV);
     uint image = TEXTURE(index, image);
-    vec4 color = sampleImage(image, u, v, wrapU, wrapV, area * scale);
+    vec4 color;
+    if (HAS(EFFECT_ANISOTROPIC_TEXTURES)) {
+        vec2 along = vec2(ellipse.along.x, ellipse.along.y);
+        vec2 across = vec2(ellipse.across.x, ellipse.across.y);
+        if (HAS(EFFECT_SECOND_UV)) {
+            bool first = TEXTURE(index, uvSet) == 0u;
+            along = SELECT(first, along, vec2(ellipse.along.z, ellipse.along.w));
+            across = SELECT(first, across, vec2(ellipse.across.z, ellipse.across.w));
+        }
+        color = sampleImageAlong(image, u, v, wrapU, wrapV, turned(transform, along), turned(transform, across));
+    } else {
+        color = sampleImage(image, u, v, wrapU, wrapV, area * scale);
+    }
     bool nearest = TEXTURE(index, nearest) != 0u;
     if (MET(VARIETY_NEAREST) && ANY(nearest)) color = SELECT(nearest, sampleNearest(image, u, v, wrapU, wrapV), color);
     return SELECT(present, color, vec4(1.0f, 1.0f, 1.0f, 1.0f));

@@ -81,7 +81,7 @@ struct Instance {
 UINT_CONSTANT(INSTANCE_IDENTITY, 1u)  // transform is the identity
 UINT_CONSTANT(INSTANCE_MIRRORED, 2u)  // determinant < 0: winding flips
 
-// One material for MTL and glTF alike, 144 bytes. Texture fields index TextureSlot, NO_INDEX = none.
+// One material for MTL and glTF alike, 160 bytes. Texture fields index TextureSlot, NO_INDEX = none.
 struct Material {
     vec4 baseColor;    // rgb diffuse or base colour, a = alpha
     vec4 emission;     // rgb radiance, w = density of sampled points on its surface as a lamp, per m^2 (SceneBuilder's)
@@ -95,7 +95,7 @@ struct Material {
     float mirror;        // Phong: constant reflectance (RayEngine's Ir, or Ks of a mirror illum), 0 = none
     float alphaCutoff;
     float normalScale;
-    float pad0;
+    float occlusionStrength;   // of occlusionTexture, in [0, 1]
     uint flags;          // MATERIAL_*
     uint baseTexture;
     uint metallicRoughnessTexture;
@@ -104,6 +104,10 @@ struct Material {
     uint opacityTexture;       // MTL map_d
     uint transmissionTexture;  // red channel
     uint specularTexture;      // MTL map_Ks
+    uint occlusionTexture;     // red channel: share of the ambient light that arrives
+    uint pad0;
+    uint pad1;
+    uint pad2;
 };
 
 // A texture as a material uses it: image, uv set and KHR_texture_transform. 48 bytes.

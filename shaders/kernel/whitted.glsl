@@ -132,7 +132,7 @@ vec3 specularOfAmbient(IN(Shading) m, vec3 wo) {
 
 // Contribution of the ambient light to the pixel where nothing hides it.
 vec3 ambientContribution(IN(Shading) m, vec3 wo, vec3 throughput) {
-    return throughput * (diffuseOfAmbient(m) + specularOfAmbient(m, wo)) * m.alpha;
+    return ambientArriving(m, throughput * (diffuseOfAmbient(m) + specularOfAmbient(m, wo)) * m.alpha);
 }
 
 // Number in the Sobol sequence of ray `index` of FRAME.aoSamples of sample `sampleIndex`.
@@ -394,7 +394,7 @@ vec3 ambientBeside(uint next, IN(Shading) m, vec3 wo, vec3 throughput) {
     if (HAS(EFFECT_PATH)) return vec3(0.0f, 0.0f, 0.0f);
     vec3 diffuse = diffuseOfAmbient(m);
     if (HAS(EFFECT_INDIRECT_LIGHT)) diffuse = SELECT((next & NEXT_INDIRECT) != 0u, vec3(0.0f, 0.0f, 0.0f), diffuse);
-    return throughput * (diffuse + specularOfAmbient(m, wo)) * m.alpha;
+    return ambientArriving(m, throughput * (diffuse + specularOfAmbient(m, wo)) * m.alpha);
 }
 
 // Emission, and what an unlit surface shows.
@@ -459,6 +459,7 @@ struct Arrival {
 Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, INOUT(vec3) radiance) {
     Arrival a;
     a.surface = surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hit);
+    if (HAS(EFFECT_ANISOTROPIC_TEXTURES)) narrowEllipse(a.surface, p.direction, sampleIndex);
     a.shading = shadingAt(a.surface);
     a.wo = -p.direction;
     seenFrom(a.shading, a.wo);

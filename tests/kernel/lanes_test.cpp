@@ -65,6 +65,10 @@ void expectSame(const WideKernel::Surface& w, const EveryKernel::Surface& s, int
         EXPECT_FIELD(uv1);
         EXPECT_FIELD(uvEdge1);
         EXPECT_FIELD(uvEdge2);
+        if (effects & EFFECT_ANISOTROPIC_TEXTURES) {
+            EXPECT_FIELD(ellipse.along);
+            EXPECT_FIELD(ellipse.across);
+        }
     }
     if (effects & EFFECT_VERTEX_COLORS) {
         EXPECT_FIELD(color);
@@ -85,6 +89,7 @@ void expectSame(const WideKernel::Shading& w, const EveryKernel::Shading& s, int
     EXPECT_FIELD(alpha);
     EXPECT_FIELD(transmission);
     EXPECT_FIELD(mirror);
+    EXPECT_FIELD(occlusion);
     EXPECT_FIELD(ior);
     EXPECT_FIELD(flags);
     EXPECT_FIELD(facet);

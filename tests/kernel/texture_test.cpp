@@ -10,11 +10,20 @@ namespace heliograph {
 namespace {
 
 using namespace test;
+using glm::dvec2;
 using glm::dvec4;
 
 // Texels around every image that no sample may touch: full bright, while images stay under HIGHEST.
 constexpr uint32_t GUARD = 0xffffffffu;
 constexpr uint32_t HIGHEST = 200;
+
+const EveryKernel::Ellipse POINT{};
+
+/// A circle of that squared size about a point, as an ellipse, in both sets of coordinates.
+EveryKernel::Ellipse circle(float area) {
+    const float d = std::sqrt(area);
+    return {vec4(d, 0.0f, d, 0.0f), vec4(0.0f, d, 0.0f, d)};
+}
 
 /// One image in a texel array of its own, guarded on both sides, behind texture slot 0.
 struct OneTexture {
@@ -48,7 +57,7 @@ struct OneTexture {
         kernel.scene.images = &image;
         kernel.scene.imageLevels = &level;
         kernel.scene.textures = &slot;
-        return kernel.sampleTexture(0, vec2(u, v), vec2(0.0f), vec2(area));
+        return kernel.sampleTexture(0, vec2(u, v), vec2(0.0f), vec2(area), circle(area));
     }
     uint32_t word(int64_t x, int64_t y) const { return texels[level.firstTexel + y * level.width + x]; }
 };
@@ -268,13 +277,13 @@ TEST(Texture, SecondCoordinatesAreTakenWhereTheSlotSaysSo) {
     OneTexture texture(16, 16, IMAGE_LINEAR8, 13);
     const vec4 expected = texture.sample(0.4f, 0.6f);
     texture.slot.uvSet = 1;
-    EXPECT_EQ(texture.kernel.sampleTexture(0, vec2(0.9f, 0.1f), vec2(0.4f, 0.6f), vec2(0.0f)), expected);
+    EXPECT_EQ(texture.kernel.sampleTexture(0, vec2(0.9f, 0.1f), vec2(0.4f, 0.6f), vec2(0.0f), POINT), expected);
 }
 
 TEST(Texture, AMaterialWithoutTextureIsWhite) {
     OneTexture texture(2, 2, IMAGE_LINEAR8, 14);
     texture.sample(0.0f, 0.0f);
-    EXPECT_EQ(texture.kernel.sampleTexture(NO_INDEX, vec2(0.3f), vec2(0.3f), vec2(0.0f)), vec4(1.0f));
+    EXPECT_EQ(texture.kernel.sampleTexture(NO_INDEX, vec2(0.3f), vec2(0.3f), vec2(0.0f), POINT), vec4(1.0f));
 }
 
 // Every level has one colour of its own, so the colour tells the level.
@@ -307,6 +316,68 @@ TEST(Texture, MipLevelFollowsTheFootprint) {
     EXPECT_EQ(levelFor(1e30), 8);
     EXPECT_EQ(levelFor(double(INFINITE)), 8);
     EXPECT_LE(levelFor(double(NOT_A_NUMBER)), 8) << "any level, but one of the pyramid";
+}
+
+// A cosine wave across an ellipse: what is left of it is what an even row over the long axis leaves, whichever way both lie.
+TEST(Texture, AStretchedFootprintIsAveragedAlongItsLongAxis) {
+    const uint32_t size = 64;
+    OneTexture texture(size, size, IMAGE_LINEAR8, 15);
+    for (uint32_t y = 0; y < size; y++)
+        for (uint32_t x = 0; x < size; x++) {
+            const double wave = 0.5 + 0.39 * std::cos(2.0 * EXACT_PI * (3.0 * x + 2.0 * y) / size);
+            texture.texels[texture.level.firstTexel + y * size + x] =
+                static_cast<uint32_t>(std::lround(wave * 255.0)) * 0x01010101u;
+        }
+    texture.sample(0.0f, 0.0f);
+    const dvec2 wave(3.0, 2.0);
+    for (double turn : {0.0, 20.0, 75.0, 130.0}) {
+        for (double ratio : {1.0, 3.0, 10.0}) {
+            const double angle = turn * EXACT_PI / 180.0;
+            const dvec2 axis = dvec2(std::cos(angle), std::sin(angle)) * (ratio / size), side = dvec2(-axis.y, axis.x) / ratio;
+            // Conjugate diameters of the same ellipse: (p + q) / sqrt 2 and (p - q) / sqrt 2.
+            for (const auto& [p, q] :
+                 {std::pair(axis, side), std::pair((axis + side) * std::sqrt(0.5), (axis - side) * std::sqrt(0.5))}) {
+                const EveryKernel::Ellipse e{vec4(p.x, p.y, 9.0f, 9.0f), vec4(q.x, q.y, 9.0f, 9.0f)};
+                double crest = 0.0, trough = 1.0, exact = 0.0;
+                const int taps = static_cast<int>(ratio);
+                for (int i = 0; i < taps; i++)
+                    exact += std::cos(2.0 * EXACT_PI * glm::dot(wave, axis) * ((i + 0.5) / taps - 0.5)) / taps;
+                for (double along = 0.0; along < 1.0; along += 1.0 / 48.0) {
+                    const float got = texture.kernel.sampleTexture(0, vec2(along / 3.0, 0.3f), vec2(0.0f), vec2(0.0f), e).x;
+                    crest = std::max(crest, double(got)), trough = std::min(trough, double(got));
+                }
+                EXPECT_NEAR((crest - trough) / 0.78, std::abs(exact), 0.03) << turn << " degrees, ratio " << ratio;
+            }
+        }
+    }
+}
+
+// The short axis chooses the level, unless the long one is more than MAX_TAPS times as long.
+TEST(Texture, TheShortAxisChoosesTheLevel) {
+    std::vector<uint32_t> texels;
+    std::vector<ImageLevel> levels;
+    for (uint32_t i = 0, size = 256; size >= 1; i++, size /= 2) {
+        levels.push_back({static_cast<uint32_t>(texels.size()), size, size, 0});
+        texels.insert(texels.end(), size * size, i * 10);
+    }
+    Image image{};
+    image.levelCount = static_cast<uint32_t>(levels.size());
+    image.format = IMAGE_LINEAR8;
+    EveryKernel kernel = bareKernel();
+    kernel.scene.texels = texels.data();
+    kernel.scene.imageLevels = levels.data();
+    kernel.scene.images = &image;
+    const auto levelFor = [&](vec2 p, vec2 q) {
+        return std::lround(kernel.sampleImageAlong(0, 0.4f, 0.6f, WRAP_REPEAT, WRAP_REPEAT, p / 256.0f, q / 256.0f).x * 25.5);
+    };
+    EXPECT_EQ(levelFor({0.0f, 0.0f}, {0.0f, 0.0f}), 0);
+    EXPECT_EQ(levelFor({8.0f, 0.0f}, {0.0f, 1.0f}), 0);
+    EXPECT_EQ(levelFor({0.0f, 8.0f}, {4.0f, 0.0f}), 2);
+    EXPECT_EQ(levelFor({60.0f, 60.0f}, {-4.0f, 4.0f}), 2) << "short axis 5.7 long, the other 15 times that";
+    EXPECT_EQ(levelFor({128.0f, 0.0f}, {0.0f, 1.0f}), 3) << "128 texels are no more than 16 samples";
+    EXPECT_EQ(levelFor({1e30f, 0.0f}, {0.0f, 1e30f}), 8);
+    EXPECT_EQ(levelFor({INFINITE, INFINITE}, {INFINITE, 0.0f}), 8);
+    EXPECT_LE(levelFor({NOT_A_NUMBER, 0.0f}, {0.0f, NOT_A_NUMBER}), 8) << "any level, but one of the pyramid";
 }
 
 }  // namespace

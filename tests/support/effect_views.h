@@ -19,7 +19,9 @@ inline std::vector<EffectView> effectViews() {
             {"effects/motion-blur", {"motionBlur=true"}},
             {"effects/indirect-light", {"indirectLight=true"}},
             {"effects/image-light", {"glossyReflections=true"}},
-            {"effects/image-light", {"integrator=path"}}};
+            {"effects/image-light", {"integrator=path"}},
+            {"effects/image-light", {"integrator=path", "russianRoulette=2"}},
+            {"courtyard", {"textureFilter=anisotropic"}}};
 }
 
 }  // namespace heliograph::test

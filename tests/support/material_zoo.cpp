@@ -95,6 +95,7 @@ std::vector<uint32_t> addMaterials(SceneBuilder& builder, const Textures& t) {
     add("lamp", [&](Material& m) { m.emission = vec4(2.0f, 1.0f, 0.5f, 0.0f), m.emissionTexture = t.colour; });
     add("unlit", [&](Material& m) { m.flags |= MATERIAL_UNLIT, m.baseTexture = t.colour; });
     add("normal map", [&](Material& m) { m.normalTexture = t.normal, m.normalScale = 0.8f, m.roughness = 0.2f; });
+    add("hollows", [&](Material& m) { m.occlusionTexture = t.linear, m.occlusionStrength = 0.7f; });
     add("bump", [&](Material& m) { phong(m), m.normalTexture = t.colour, m.flags |= MATERIAL_BUMP, m.mirror = 0.2f; });
     return all;
 }

@@ -266,7 +266,8 @@ Material SceneBuilder::defaultMaterial() {
     material.normalScale = 1.0f;
     material.baseTexture = material.metallicRoughnessTexture = material.normalTexture = NO_INDEX;
     material.emissionTexture = material.opacityTexture = NO_INDEX;
-    material.transmissionTexture = material.specularTexture = NO_INDEX;
+    material.transmissionTexture = material.specularTexture = material.occlusionTexture = NO_INDEX;
+    material.occlusionStrength = 1.0f;
     return material;
 }
 

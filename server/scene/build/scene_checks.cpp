@@ -58,8 +58,9 @@ int repairMaterial(Material& m, size_t textures) {
     repair.number(m.mirror, 0.0f, 1.0f, 0.0f);
     repair.number(m.alphaCutoff, 0.0f, 1e6f, 0.5f);
     repair.number(m.normalScale, -1e3f, 1e3f, 1.0f);
+    repair.number(m.occlusionStrength, 0.0f, 1.0f, 1.0f);
     for (uint32_t* index : {&m.baseTexture, &m.metallicRoughnessTexture, &m.normalTexture, &m.emissionTexture,
-                            &m.opacityTexture, &m.transmissionTexture, &m.specularTexture}) {
+                            &m.opacityTexture, &m.transmissionTexture, &m.specularTexture, &m.occlusionTexture}) {
         repair.texture(*index, textures);
     }
     return repair.count;

@@ -53,7 +53,8 @@ private:
         to_.metallicRoughnessTexture = textures_.slot(TextureUse(pbr.metallicRoughnessTexture), false);
         to_.normalTexture = textures_.slot(TextureUse(from_.normalTexture), false);
         to_.normalScale = static_cast<float>(from_.normalTexture.scale);
-        // occlusionTexture is left out on purpose: occlusion is traced.
+        to_.occlusionTexture = textures_.slot(TextureUse(from_.occlusionTexture), false);
+        to_.occlusionStrength = static_cast<float>(from_.occlusionTexture.strength);
     }
 
     void setAlpha() {

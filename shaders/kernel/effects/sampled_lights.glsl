@@ -86,7 +86,9 @@ vec3 glowAt(uvec4 corners, float w, float u, float v) {
             Surface s;
             vec3 us = vec3(NORMAL_U(corners.x).w, NORMAL_U(corners.y).w, NORMAL_U(corners.z).w);
             addTextureCoordinates(s, us, corners.x, corners.y, corners.z, w, u, v);
-            glow = glow * pointOf(sampleTexture(slot, s.uv0, s.uv1, vec2(0.0f, 0.0f)));
+            s.ellipse.along = vec4(0.0f, 0.0f, 0.0f, 0.0f);
+            s.ellipse.across = s.ellipse.along;
+            glow = glow * pointOf(sampleTexture(slot, s.uv0, s.uv1, vec2(0.0f, 0.0f), s.ellipse));
         }
     }
     return glow;

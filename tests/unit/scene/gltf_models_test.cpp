@@ -64,7 +64,7 @@ void expectSound(const Scene& scene) {
     for (const Material& material : scene.materials) {
         for (uint32_t texture :
              {material.baseTexture, material.metallicRoughnessTexture, material.normalTexture, material.emissionTexture,
-              material.opacityTexture, material.transmissionTexture, material.specularTexture}) {
+              material.opacityTexture, material.transmissionTexture, material.specularTexture, material.occlusionTexture}) {
             ASSERT_TRUE(texture == NO_INDEX || texture < scene.textures.size());
         }
     }

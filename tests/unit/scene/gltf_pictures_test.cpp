@@ -1,6 +1,7 @@
 // Pictures that a glTF file names: what cannot be read costs its texture, never the scene.
 
 #include "server/base/error.h"
+#include "server/request/effect_rules.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/unit/scene/scene_files.h"
 
@@ -21,14 +22,15 @@ const std::string PNG =
 const std::string WEBP = "data:image/webp;base64,UklGRhoAAABXRUJQVlA4TA0AAAAvAAAAEAcQERGIiP4HAA==";
 const std::string KTX2 = "data:image/ktx2;base64,q0tUWCAyMLsNChoKAAAAAAEAAAA=";
 
-/// A triangle with an emissive texture; `images` and `texture` are JSON.
-std::shared_ptr<const Scene> open(const std::string& images, const std::string& texture, const std::string& extensions = {}) {
+/// A triangle with an emissive texture; `images`, `texture` and `material` are JSON.
+std::shared_ptr<const Scene> open(const std::string& images, const std::string& texture, const std::string& extensions = {},
+                                  const std::string& material = R"("emissiveTexture":{"index":0})") {
     const ScratchFolder outer;
     outer.write("outside.png", "x");
     const std::string lists =
         extensions.empty() ? "" : R"(,"extensionsUsed":[)" + extensions + R"(],"extensionsRequired":[)" + extensions + "]";
     std::string json = triangleJson(dataUri(triangleBytes()), R"(,"images":[)" + images + R"(],"textures":[)" + texture +
-                                                                  R"(],"materials":[{"emissiveTexture":{"index":0}}])" + lists);
+                                                                  R"(],"materials":[{)" + material + "}]" + lists);
     const std::string primitive = R"("attributes":{"POSITION":0})";
     json.replace(json.find(primitive), primitive.size(), primitive + R"(,"material":0)");
     return openScene(outer.write("scene/scene.gltf", json));
@@ -48,6 +50,19 @@ TEST(GltfPictures, ThoseThatAreMissingOrForbiddenAreTold) {
     }
     EXPECT_THAT(open(image("../outside.png"), R"({"source":0})")->warnings,
                 Contains(AllOf(HasSubstr("'../outside.png'"), HasSubstr("a relative path inside the scene file's folder"))));
+}
+
+TEST(GltfPictures, OcclusionHasAStrengthAndCallsForItsEffect) {
+    const std::string material = R"("occlusionTexture":{"index":0,"strength":0.25})";
+    const auto scene = open(image(PNG), R"({"source":0})", {}, material);
+    const Material& m = scene->materials[scene->triangles[0].w];
+    ASSERT_LT(m.occlusionTexture, scene->textures.size());
+    EXPECT_EQ(scene->images[scene->textures[m.occlusionTexture].image].format, IMAGE_LINEAR8);
+    EXPECT_EQ(m.occlusionStrength, 0.25f);
+    EXPECT_TRUE(effectsOf(*scene).has(EFFECT_OCCLUSION_TEXTURES));
+    EXPECT_FALSE(effectsOf(*open(image(PNG), R"({"source":0})")).has(EFFECT_OCCLUSION_TEXTURES));
+    const auto none = open(image(PNG), R"({"source":0})", {}, R"("occlusionTexture":{"index":0,"strength":0})");
+    EXPECT_FALSE(effectsOf(*none).has(EFFECT_OCCLUSION_TEXTURES));
 }
 
 TEST(GltfPictures, DataMayBeEscapedBrokenIntoLinesOrNamedInCapitals) {

@@ -532,7 +532,7 @@ TEST(Varieties, AreWhatTheScenesMaterialsTexturesAndImagesDo) {
     EXPECT_EQ(varietiesOf(scene), 0u);
     Material plain{};
     plain.baseTexture = plain.metallicRoughnessTexture = plain.normalTexture = plain.emissionTexture = plain.opacityTexture =
-        plain.transmissionTexture = plain.specularTexture = NO_INDEX;
+        plain.transmissionTexture = plain.specularTexture = plain.occlusionTexture = NO_INDEX;
     scene.materials = {plain};
     EXPECT_EQ(varietiesOf(scene), VARIETY_MICROFACET);
     scene.materials[0].flags = MATERIAL_UNLIT;
