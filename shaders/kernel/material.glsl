@@ -15,13 +15,10 @@ struct Shading {
     float transmission; // share of the light not reflected that passes
     float mirror;       // Phong: constant reflectance
     float ior;
-    float occlusion;    // share of the ambient light that arrives; with USES_OCCLUSION_TEXTURES alone
+    float occlusion;    // share of the ambient light that arrives; by images alone
     uint flags;         // MATERIAL_*
     vec3 facet;         // unit, about which it reflects: the normal, or what reflectingNormal chooses
 };
-
-// Rays that find out what hides the surroundings would count it twice.
-#define USES_OCCLUSION_TEXTURES (HAS(EFFECT_OCCLUSION_TEXTURES) && !HAS(EFFECT_AMBIENT_OCCLUSION | EFFECT_PATH))
 
 // Slope of a height image: three heights one texel apart; y runs against v, as in normal maps. Blinn, "Simulation of Wrinkled Surfaces" (1978).
 vec3 bumpNormal(IN(Surface) s, uint slot, float scale) {
@@ -73,8 +70,8 @@ float occlusionAt(IN(Surface) s, uint slot) {
 
 // `ambient`, less what the image keeps away.
 vec3 ambientArriving(IN(Shading) m, vec3 ambient) {
-    if (!USES_OCCLUSION_TEXTURES) return ambient;
-    return ambient * m.occlusion;
+    if (HAS(EFFECT_OCCLUSION_TEXTURES)) return ambient * m.occlusion;
+    return ambient;
 }
 
 // Base colour and alpha with vertex colours and textures.
@@ -113,9 +110,11 @@ void applyTextures(INOUT(Shading) r, INOUT(float) metallic, IN(Surface) s) {
     if (HAS(EFFECT_EMISSION)) {
         if (MET(VARIETY_EMISSION_TEXTURE) && ANY(emission != NO_INDEX)) r.emission = r.emission * pointOf(sampleTexture(emission, s.uv0, s.uv1, s.footprint, s.ellipse));
     }
-    if (USES_OCCLUSION_TEXTURES) {
+    if (HAS(EFFECT_OCCLUSION_TEXTURES)) {
         uint occlusion = MATERIAL(s.material, occlusionTexture);
         if (ANY(occlusion != NO_INDEX)) r.occlusion = occlusionAt(s, occlusion);
+        // Rays that find out what hides the surroundings would count it twice.
+        if (HAS(EFFECT_AMBIENT_OCCLUSION | EFFECT_PATH)) r.occlusion = 1.0f;
     }
     if (HAS(EFFECT_NORMAL_MAPS)) {
         uint normal = MATERIAL(s.material, normalTexture);

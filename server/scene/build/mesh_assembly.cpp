@@ -371,9 +371,8 @@ private:
         const bool turned = next == c && last == b;
         if (k == 3 || a == b || b == c || c == a || (!turned && (next != b || last != c))) return false;
         const uint32_t material = scene_.triangles[first].w;
-        const bool same = material == scene_.triangles[second].w;
-        if (turned) return same && (scene_.materials[material].flags & MATERIAL_VOLUME) == 0;
-        return same || mesh.opacity == OPACITY_OPAQUE;
+        if (material != scene_.triangles[second].w) return !turned && mesh.opacity == OPACITY_OPAQUE;
+        return !turned || (scene_.materials[material].flags & MATERIAL_VOLUME) == 0;
     }
 
     void placeInstances() {

@@ -263,11 +263,10 @@ Material SceneBuilder::defaultMaterial() {
     material.roughness = 1.0f;
     material.ior = 1.5f;
     material.alphaCutoff = 0.5f;
-    material.normalScale = 1.0f;
+    material.normalScale = material.occlusionStrength = 1.0f;
     material.baseTexture = material.metallicRoughnessTexture = material.normalTexture = NO_INDEX;
     material.emissionTexture = material.opacityTexture = NO_INDEX;
     material.transmissionTexture = material.specularTexture = material.occlusionTexture = NO_INDEX;
-    material.occlusionStrength = 1.0f;
     return material;
 }
 
