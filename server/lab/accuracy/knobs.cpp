@@ -40,6 +40,7 @@ const std::vector<Knob>& table() {
         {"motionBlur", look, {"off", "on"}, SHOWN},
         {"fog", look, {"off", "on"}, SHOWN},
         {"fogSamples", grain, {"1", "2", "4", "8", "16"}, {}},
+        {"textureFilter", cut, {"trilinear", "anisotropic"}, {}},
         {"environment", light, {"off", "on"}, "off, its mean colour stands for the image"},
         {"contributionThreshold", cut, {"0.1", "0.03", "0.01", "0.004", "0.001", "0"}, {}},
         {"adaptiveQuality", viewer, {"on", "off"}, "on slow lines; renderScale and jpegQuality show what it costs"},
