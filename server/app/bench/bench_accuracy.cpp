@@ -6,8 +6,10 @@
 #include "server/base/output_file.h"
 #include "server/base/progress_bar.h"
 #include "server/lab/accuracy/accuracy_json.h"
+#include "server/lab/accuracy/report.h"
 #include "server/scene/load/scene_source.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -35,6 +37,22 @@ std::string dumped(const nlohmann::ordered_json& json, int indent) {
 std::string content(const std::string& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The command that measures the same, for the report.
+std::string commandText(const BenchAccuracyOptions& options) {
+    std::string text = "heliograph bench accuracy " + sceneName(options) + " --size " + options.size;
+    auto add = [&](const char* name, const std::string& value) {
+        if (!value.empty()) text += std::string(" ") + name + " " + value;
+    };
+    add("--environment", options.environment);
+    add("--view", options.camera);
+    if (options.path) text += " --path";
+    add("--device", options.device);
+    for (const std::string& setting : options.settings) add("--set", setting);
+    add("--budget", std::to_string(std::lround(options.budget)));
+    if (options.reference > 0) add("--reference", std::to_string(options.reference));
+    return text;
 }
 
 AccuracyOptions checkedBounds(const BenchAccuracyOptions& options, const Settings& settings) {
@@ -106,6 +124,8 @@ int runBenchAccuracy(const BenchAccuracyOptions& options, std::ostream& out) {
     AccuracyOptions bounds = checkedBounds(options, given.settings);
     std::optional<OutputFile> csv;
     if (!options.csv.empty()) csv.emplace("--csv", options.csv);
+    std::optional<OutputFile> report;
+    if (!options.report.empty()) report.emplace("--report", options.report);
     std::optional<StateFile> state;
     if (!options.resume.empty()) state.emplace(options.resume);
     std::shared_ptr<const Scene> scene;
@@ -127,6 +147,7 @@ int runBenchAccuracy(const BenchAccuracyOptions& options, std::ostream& out) {
         if (state) state->write(*sweep, true);
     }
     if (csv) csv->write(bytesOf(toCsv(*sweep)));
+    if (report) report->write(bytesOf(toHtml(*sweep, commandText(options))));
     out << (options.json ? dumped(toJson(*sweep), 2) : toTable(*sweep));
     return 0;
 }
@@ -154,6 +175,8 @@ void addBenchAccuracy(CLI::App& bench, std::function<int()>& run) {
         ->type_name("N")
         ->capture_default_str();
     command->add_option("--csv", options->csv, "Also write one line a setting into this file")->type_name("FILE");
+    command->add_option("--report", options->report, "Also write a report with plot, price list and pictures, one HTML file")
+        ->type_name("FILE");
     command
         ->add_option("--resume", options->resume,
                      "Keep what is measured in this file and in FILE.references, and go on from there where they exist")
@@ -164,7 +187,7 @@ void addBenchAccuracy(CLI::App& bench, std::function<int()>& run) {
         "other noise; parts of light that the view lacks are measured against the path integrator.\n"
         "Examples:\n"
         "  heliograph bench accuracy courtyard --budget 60\n"
-        "  heliograph bench accuracy glass --set ambientOcclusion=on --json --csv glass.csv --resume glass.json");
+        "  heliograph bench accuracy glass --set ambientOcclusion=on --csv glass.csv --report glass.html");
     command->callback([&run, options] { run = [options] { return runBenchAccuracy(*options, std::cout); }; });
 }
 

@@ -15,6 +15,7 @@ struct BenchAccuracyOptions : SceneOptions {
     int64_t repetitions = 5;  // timings of each setting, at most
     int64_t reference = 0;    // samples of each reference; 0: as the budget allows
     std::string csv;          // file for one line a setting, or empty
+    std::string report;       // HTML file, or empty
     std::string resume;       // file that holds what is measured, or empty
 };
 

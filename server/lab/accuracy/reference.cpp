@@ -21,32 +21,37 @@ Reference::Reference(const FrameRequest& request) : request_(request) {
     for (auto& sums : sums_) sums.assign(static_cast<size_t>(request.resolution.x) * request.resolution.y, glm::dvec3(0.0));
 }
 
-void Reference::addRun(Renderer& renderer) {
-    const size_t which = runs_[1] < runs_[0] ? 1 : 0;
-    const uint32_t first = BEGINNINGS[which] + RUN * runs_[which];
-    request_.seed = SEEDS[which];
-    request_.generation++;
+std::vector<glm::dvec3> renderSamples(Renderer& renderer, const FrameRequest& request, uint32_t first, uint32_t count) {
+    const uvec2 resolution = request.resolution, cell = glm::min(tileSize(request.settings), resolution);
+    std::vector<glm::dvec3> all(static_cast<size_t>(resolution.x) * resolution.y);
     Film grid;  // cuts the picture into tiles
-    grid.reset(request_.resolution, request_.generation);
-    const std::vector<Tile> tiles = grid.tilesFor(first, RUN, glm::min(tileSize(request_.settings), request_.resolution));
-    const uint32_t width = request_.resolution.x;
+    grid.reset(resolution, request.generation);
     std::mutex mutex;
     auto sink = [&](TileResult&& result) {
         std::lock_guard lock(mutex);
         const std::span<const vec4> sums = result.sums();
-        for (uint32_t y = 0; y < result.tile.size.y; y++) {
-            for (uint32_t x = 0; x < result.tile.size.x; x++) {
-                const vec4 sum = sums[static_cast<size_t>(y) * result.tile.size.x + x];
-                sums_[which][static_cast<size_t>(result.tile.origin.y + y) * width + result.tile.origin.x + x] +=
-                    glm::dvec3(sum.x, sum.y, sum.z);
+        const uvec2 origin = result.tile.origin, size = result.tile.size;
+        for (uint32_t y = 0; y < size.y; y++) {
+            for (uint32_t x = 0; x < size.x; x++) {
+                const vec4 sum = sums[static_cast<size_t>(y) * size.x + x];
+                all[static_cast<size_t>(origin.y + y) * resolution.x + origin.x + x] = glm::dvec3(sum.x, sum.y, sum.z);
             }
         }
     };
     ViewMemory view;
-    view.costs.begin(request_.resolution, glm::min(tileSize(request_.settings), request_.resolution));
+    view.costs.begin(resolution, cell);
+    renderer.render(request, grid.tilesFor(first, count, cell), view, sink, {});
+    return all;
+}
+
+void Reference::addRun(Renderer& renderer) {
+    const size_t which = runs_[1] < runs_[0] ? 1 : 0;
+    request_.seed = SEEDS[which];
+    request_.generation++;
     const StopWatch watch;
-    renderer.render(request_, tiles, view, sink, {});
+    const std::vector<glm::dvec3> more = renderSamples(renderer, request_, BEGINNINGS[which] + RUN * runs_[which], RUN);
     seconds_ += watch.seconds();
+    for (size_t i = 0; i < more.size(); i++) sums_[which][i] += more[i];
     runs_[which]++;
 }
 

@@ -12,6 +12,10 @@
 
 namespace heliograph {
 
+/// Sums of radiance over `count` samples from number `first` on, in a picture's order. The renderer holds the scene already; throws
+/// what it throws.
+std::vector<glm::dvec3> renderSamples(Renderer& renderer, const FrameRequest& request, uint32_t first, uint32_t count);
+
 /// A half has a seed of its own, so every pixel's points are shifted by another hash, and a range of samples of its own, so the
 /// points are others of the sequence and the places in the pixel are shifted (the R2 sequence turned by a constant). Shared with
 /// other pictures are the scrambling of the sequence as a whole, and the filter of textures.
