@@ -127,7 +127,8 @@ std::optional<std::string> whyNot(const Knob& knob, const Settings& settings, co
         return {};
     }
     const EffectRow* row = effectNamed(effect);
-    if (row && !allowedEffects(settings).has(row->bit)) {
+    // A knob that switches its effect itself, as textureFilter does, is not kept from acting by being off.
+    if (row && row->setting != knob.setting && !allowedEffects(settings).has(row->bit)) {
         return std::string(row->setting) + " is off in this view";
     }
     return {};

@@ -116,6 +116,21 @@ TEST(Knobs, WhatDoesNothingInASceneSaysWhy) {
     EXPECT_TRUE(whyNot(named("automaticScale"), {}, effects).has_value());
 }
 
+TEST(Knobs, NoneIsKeptFromActingByItself) {
+    std::vector<EffectReason> effects;  // of a scene that calls for everything
+    for (const EffectRow& row : effectRows()) {
+        EffectReason reason;
+        reason.name = row.name;
+        reason.calledFor = true;
+        effects.push_back(reason);
+    }
+    for (const Knob& knob : knobs()) {
+        if (!knob.turned()) continue;
+        const std::string why = whyNot(knob, {}, effects).value_or("");
+        EXPECT_EQ(why.find(std::string(knob.setting) + " is off"), std::string::npos) << why;
+    }
+}
+
 TEST(Knobs, ValuesThatTheSettingDoesNotTakeAreRefused) { EXPECT_THROW(turned({}, named("samples"), "0"), InputError); }
 
 }  // namespace
