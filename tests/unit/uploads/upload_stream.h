@@ -46,11 +46,15 @@ public:
         path = name;
     }
     ~UploadFolder() { std::filesystem::remove_all(path); }
-    /// Everything in it, by path, sorted.
+    /// Everything in it, by path, sorted. The server may remove a folder during the walk; then the walk begins again.
     std::vector<std::string> content() const {
         std::vector<std::string> names;
-        for (const auto& entry : std::filesystem::recursive_directory_iterator(path))
-            names.push_back(std::filesystem::relative(entry.path(), path).string());
+        std::error_code gone;
+        std::filesystem::recursive_directory_iterator entry(path, gone);
+        for (; !gone && entry != std::filesystem::recursive_directory_iterator(); entry.increment(gone))
+            names.push_back(entry->path().lexically_relative(path).string());
+        if (gone == std::errc::no_such_file_or_directory && std::filesystem::exists(path)) return content();
+        if (gone) throw std::filesystem::filesystem_error("the folder cannot be read", path, gone);
         std::sort(names.begin(), names.end());
         return names;
     }
