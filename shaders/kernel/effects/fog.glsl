@@ -5,14 +5,33 @@
 
 UINT_CONSTANT(FOG_SALT, 0x666f6721u)
 
-// Where the way from `origin` along `direction` enters the fog (x) and how far it goes in it (y), metres, up to `distance`.
+// What the rounded product of a and b lacks, exactly. Dekker, "A Floating-Point Technique for Extending the Available Precision" (1971).
+float restOfProduct(float a, float b) {
+    float wideA = 4097.0f * a;
+    float wideB = 4097.0f * b;
+    float highA = wideA - (wideA - a);
+    float highB = wideB - (wideB - b);
+    float lowA = a - highA;
+    float lowB = b - highB;
+    return lowA * lowB - ((a * b - highA * highB) - lowA * highB - highA * lowB);
+}
+
+// Where the way from `origin` along `direction` enters the fog (x) and how far it goes in it (y), metres, up to `distance`. By the
+// point of the ray that is nearest the middle, with what rounds its products: squares of a distance far from the ball leave none of
+// its radius' digits. After Haines, Guenther & Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
+// Gems (2019), ch. 7.
 vec2 fogSpan(vec3 origin, vec3 direction, float distance) {
     vec3 o = origin - FRAME.fogCenter;
     float b = dot(o, direction);
-    float radicand = b * b - (dot(o, o) - FRAME.fogRadius * FRAME.fogRadius);
+    vec3 rest = vec3(restOfProduct(direction.x, b), restOfProduct(direction.y, b), restOfProduct(direction.z, b));
+    vec3 foot = (o - direction * b) - rest;
+    float more = dot(foot, direction);
+    foot = foot - direction * more;
+    float off = sqrt(dot(foot, foot));
+    float radicand = (FRAME.fogRadius - off) * (FRAME.fogRadius + off);
     float half_ = sqrt(max(radicand, 0.0f));
-    float begin = max(-b - half_, 0.0f);
-    float end = min(half_ - b, distance);
+    float begin = max(-(more + half_) - b, 0.0f);
+    float end = min((half_ - more) - b, distance);
     return vec2(begin, SELECT(radicand > 0.0f, max(end - begin, 0.0f), 0.0f));
 }
 
