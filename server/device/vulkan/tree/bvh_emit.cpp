@@ -129,9 +129,21 @@ public:
 private:
     static uint32_t bits(float x) { return std::bit_cast<uint32_t>(x); }
 
+    /// A ray in the plane of a side, across whose axis it does not move, is in the box: the slab test (inverseDirection) would
+    /// have it leave at once. Quantised boxes have such room by their rounding.
+    static Box roomy(const Box& box) {
+        const auto room = [](float x) { return std::abs(x) * 0x1p-22f + 1e-20f; };
+        Box out;
+        for (int axis = 0; axis < 3; axis++) {
+            out.low[axis] = box.low[axis] - room(box.low[axis]);
+            out.high[axis] = box.high[axis] + room(box.high[axis]);
+        }
+        return out;
+    }
+
     static void writeFloat(uvec4* out, const Child* children, const uint32_t* refs, uint32_t count) {
-        Box a = children[0].box;
-        Box b = count > 1 ? children[1].box : Box{vec3(0.0f), vec3(0.0f)};
+        Box a = roomy(children[0].box);
+        Box b = count > 1 ? roomy(children[1].box) : Box{vec3(0.0f), vec3(0.0f)};
         out[0] = {bits(a.low.x), bits(a.high.x), bits(a.low.y), bits(a.high.y)};
         out[1] = {bits(b.low.x), bits(b.high.x), bits(b.low.y), bits(b.high.y)};
         out[2] = {bits(a.low.z), bits(a.high.z), bits(b.low.z), bits(b.high.z)};

@@ -10,6 +10,7 @@
 #include "server/device/vulkan/trace/vulkan_device.h"
 
 #include "server/base/error.h"
+#include "tests/support/bodies.h"
 #include "tests/support/direct_renderer.h"
 #include "server/render/device_set.h"
 #include "server/scene/load/scene_source.h"
@@ -565,6 +566,26 @@ TEST(BvhBuilder, QuantisedBoxesHoldTheirTriangles) {
     Bvh bvh = buildBvh(*scene, options);
     checkTree(bvh, static_cast<uint32_t>(bvh.triangles.count / WORDS16_PER_TRIANGLE));
     EXPECT_GE(bvh.stackDepth, 3u * 4u);
+}
+
+// A ray in the plane of a box's side is in the box, though its direction has no component across.
+TEST(BvhBuilder, FloatBoxesHaveRoomAtEverySide) {
+    SceneBuilder builder("boxes");
+    builder.addInstance(builder.addMesh(test::box(vec3(0.0f), vec3(1.0f))), mat4(1.0f));
+    const auto scene = builder.finish();
+    BvhOptions options;
+    options.width = 2;
+    const Bvh bvh = buildBvh(*scene, options);
+    ASSERT_GT(bvh.nodes.count, WORDS16_PER_NODE);
+    const auto real = [](uint32_t word) { return std::bit_cast<float>(word); };
+    for (size_t n = 0; n < bvh.nodes.count; n += WORDS16_PER_NODE) {
+        const uvec4* node = bvh.nodes.data.get() + n;
+        for (int i = 0; i < 2; i++) {
+            const float lows[] = {real(node[i].x), real(node[i].z)}, highs[] = {real(node[i].y), real(node[i].w)};
+            for (float low : lows) EXPECT_TRUE(low < 0.0f || (low > 0.5f && low < 1.0f)) << low;
+            for (float high : highs) EXPECT_TRUE(high > 1.0f || (high > 0.0f && high < 0.5f)) << high;
+        }
+    }
 }
 
 TEST(PathStack, HoldsTheWorstBranchingAndNoMoreThanNeeded) {
