@@ -8,6 +8,8 @@
 namespace heliograph {
 
 constexpr uint32_t PACKET = 16;
+/// Rays look for hits beyond 0 (types.glsl, Ray), and Embree counts those at tnear: the smallest float that it takes for more.
+constexpr float RAY_BEGIN = 1.17549435e-38f;
 
 /// Embree's context with what the filter functions need beside it.
 struct TraceContext {
@@ -36,7 +38,7 @@ inline void setRay(RTCRay16& packet, uint32_t lane, vec3 origin, vec3 direction,
     packet.org_x[lane] = origin.x;
     packet.org_y[lane] = origin.y;
     packet.org_z[lane] = origin.z;
-    packet.tnear[lane] = 0.0f;
+    packet.tnear[lane] = RAY_BEGIN;
     packet.dir_x[lane] = direction.x;
     packet.dir_y[lane] = direction.y;
     packet.dir_z[lane] = direction.z;

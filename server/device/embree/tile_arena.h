@@ -107,7 +107,7 @@ struct PathStacks {
 /// What is the same for all rays; tracing leaves it alone.
 HELIOGRAPH_INLINE void setConstants(RTCRay16& rays) {
     for (uint32_t i = 0; i < PACKET; i++) {
-        rays.tnear[i] = 0.0f;
+        rays.tnear[i] = RAY_BEGIN;
         rays.time[i] = 0.0f;
         rays.mask[i] = 0xffffffffu;
         rays.id[i] = i;

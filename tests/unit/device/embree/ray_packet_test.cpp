@@ -73,6 +73,16 @@ TEST_P(RayPacket, InvalidRaysMeetNothingAndAreCounted) {
     }
 }
 
+// As on devices with their own tree: a hit lies beyond 0 (shaders/kernel/types.glsl, Ray).
+TEST_P(RayPacket, ASurfaceInTheOriginIsNotMet) {
+    RTCRayHit16 packet;
+    for (uint32_t i = 0; i < PACKET; i++)
+        setRay(packet.ray, i, vec3(0.25f, 0.125f, -1.0f), vec3(0.0f, 0.0f, i % 2 ? 1.0f : -1.0f), Ray{}.tMax);
+    traceClosest(scene_->target(), packet, PACKET, {GetParam(), false});
+    for (uint32_t i = 0; i < PACKET; i++)
+        EXPECT_EQ(packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID, i % 2 == 1) << "outwards nothing, inwards the other wall";
+}
+
 INSTANTIATE_TEST_SUITE_P(Widths, RayPacket, ::testing::Values(1u, 4u, 8u, 16u));
 
 }  // namespace
