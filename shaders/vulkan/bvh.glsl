@@ -1,5 +1,5 @@
-// Traversal of a device's own tree; GLSL only. One root tree over the triangles of everything that stands where it was
-// modelled, in whose leaves placed instances hang with a tree per mesh. The including file defines
+// Traversal of a device's own tree; tests compile it as C++ too (tests/hard). One root tree over the triangles of everything
+// that stands where it was modelled, in whose leaves placed instances hang with a tree per mesh. The including file defines
 //   BVH_WIDTH         2: nodes of two float boxes; 4: four boxes of 8 bits an axis (Ylitie et al., "Efficient Incoherent
 //                     Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, has the idea for eight)
 //   BVH_NODE(i)       16 bytes of the nodes, BVH_TRIANGLE(i) of the triangles (server/device/vulkan/tree/bvh_layout.h)
@@ -133,7 +133,7 @@ uint firstNode(vec3 origin, vec3 direction, float tMax) {
 }
 
 // Turns a ray's origin and direction from world into object space.
-void intoInstance(uint instance, inout vec3 origin, inout vec3 direction) {
+void intoInstance(uint instance, INOUT(vec3) origin, INOUT(vec3) direction) {
     vec4 r0 = INSTANCE(instance, toObject0);
     vec4 r1 = INSTANCE(instance, toObject1);
     vec4 r2 = INSTANCE(instance, toObject2);
@@ -143,7 +143,7 @@ void intoInstance(uint instance, inout vec3 origin, inout vec3 direction) {
 
 // Follows a ray from its origin up to tMax. TRACE_CLOSEST and TRACE_TRANSPARENT set `hit` (instance NO_INDEX = nothing);
 // TRACE_ANY returns FOUND_* bits. A ray that isn't traceable meets nothing.
-uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, out Hit hit) {
+uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, OUT(Hit) hit) {
     hit.instance = NO_INDEX;
     hit.primitive = 0u;
     uint stack[BVH_STACK];

@@ -1,0 +1,55 @@
+// The forty rows, in the order of the catalogue's numbers.
+
+#include "tests/hard/cases.h"
+
+namespace heliograph::hard {
+
+const std::vector<Case>& catalogue() {
+    constexpr const char* NEXT = "still to be written";
+    static const std::vector<Case> rows = {
+        {1, "far_origin", "a body 1e6 from the origin", nullptr, NEXT},
+        {2, "tiny_scene", "scenes scaled by 2^-20 and 2^-40", nullptr, NEXT},
+        {3, "scale_sweep", "scale 2^-40 to 2^40", nullptr, NEXT},
+        {4, "far_spheres", "balls 1e2 to 1e4 radii away", farSpheres, nullptr},
+        {5, "huge_sphere", "a ball of radius 1e6 as ground", nullptr, "there is no primitive of a sphere yet, only triangles"},
+        {6, "tangent_spheres", "rays that touch a ball", tangentSpheres, nullptr},
+        {7, "inside_spheres", "rays from inside and on a ball", insideSpheres, nullptr},
+        {8, "watertight_edges", "a closed body of thin triangles has no holes", watertightEdges, nullptr},
+        {9, "vertex_hits", "rays aimed exactly at vertices", vertexHits, nullptr},
+        {10, "double_hits", "a closed body is left an odd number of times", doubleHits, nullptr},
+        {11, "slivers", "slivers, triangles without area, duplicates", nullptr, NEXT},
+        {12, "grazing", "a plane of 1e4 under 89.9 to 89.9999 degrees", grazing, nullptr},
+        {13, "huge_triangle", "a triangle of 1e7 met at the unit scale", hugeTriangle, nullptr},
+        {14, "coplanar", "two surfaces in one place", coplanar, nullptr},
+        {15, "contact", "a cube over a plane, gaps of 2^0 to 2^-17", contact, nullptr},
+        {16, "axis_aligned", "rays along the axes through a grid of cubes", axisAligned, nullptr},
+        {17, "extremes", "sizes, directions and ends at the limits of float", extremes, nullptr},
+        {18, "critical_angle", "total reflection at its angle", nullptr, NEXT},
+        {19, "index_near_one", "indices of refraction 1, nearly 1, 0, 1e6", nullptr, NEXT},
+        {20, "slab_energy", "a pane of glass keeps all light", nullptr, NEXT},
+        {21, "nested_glass", "water in glass", nullptr,
+         "there is no stack of media: every surface is computed as glass against air"},
+        {22, "absorption", "Beer-Lambert through scaled bodies", nullptr, NEXT},
+        {23, "parallel_mirrors", "two mirrors face each other", nullptr, NEXT},
+        {24, "terminator", "facets of a smooth ball under flat light", nullptr, NEXT},
+        {25, "bent_normals", "a normal map that looks below the horizon", nullptr, NEXT},
+        {26, "bad_attributes", "normals and positions that are no numbers", nullptr, NEXT},
+        {27, "transforms", "mirrored, flat, uneven and deep transforms", nullptr, NEXT},
+        {28, "lights_on_surfaces", "lights on, in and against surfaces", nullptr, NEXT},
+        {29, "corners", "ambient occlusion in corners", nullptr, NEXT},
+        {30, "texture_coordinates", "texture coordinates of any size", nullptr, NEXT},
+        {31, "environment_poles", "poles and seam of an environment", nullptr, NEXT},
+        {32, "field_of_view", "fields of view from 0.01 to 179 degrees", nullptr, NEXT},
+        {33, "camera_on_surface", "a camera on and in surfaces", nullptr, NEXT},
+        {34, "accumulation", "a million samples of a constant", nullptr, NEXT},
+        {35, "sampler", "the sampler far along its sequence", nullptr, NEXT},
+        {36, "containment", "a sample that is not a number", nullptr, NEXT},
+        {37, "furnace", "bodies that reflect all light in even light", nullptr, NEXT},
+        {38, "devices_agree", "threads and devices give the same picture", nullptr, NEXT},
+        {39, "animation", "animation against its formulas", nullptr, "scenes are shown at rest"},
+        {40, "hostile_files", "mutations of a file", nullptr, NEXT},
+    };
+    return rows;
+}
+
+}  // namespace heliograph::hard
