@@ -1,13 +1,18 @@
 #include "server/film/film.h"
 
+#include "server/film/error_model.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
 
 namespace heliograph {
 
 namespace {
+
+constexpr double TRIMMED = 0.001;  // of the pixels: as lab/accuracy/error_metrics.h does
 
 uint32_t blocksOf(uint32_t pixels) { return (pixels + Film::BLOCK - 1) / Film::BLOCK; }
 
@@ -43,18 +48,21 @@ void Film::reset(uvec2 resolution, uint32_t generation) {
     resolution_ = resolution;
     blockCount_ = count;
     generation_ = generation;
+    white_ = WHITE;
 }
 
 void Film::makeRoomForSums() {
     std::unique_lock lock(mutex_);
-    if (sums_.size >= pixelCount()) return;
+    if (sums_.size >= pixelCount() && history_.blocks() >= blocks_.size()) return;
     changed_.wait(lock, [&] { return adds_ == 0 && readers_ == 0; });
     sums_.fit(pixelCount());
+    history_.fit(blocks_.size());
 }
 
 size_t Film::bytes() const {
     std::lock_guard lock(mutex_);
-    return firstSums_.size * sizeof(vec4) + sums_.size * sizeof(glm::dvec4) + blocks_.capacity() * sizeof(Block);
+    return firstSums_.size * sizeof(vec4) + sums_.size * sizeof(glm::dvec4) + blocks_.capacity() * sizeof(Block) +
+           history_.bytes();
 }
 
 bool Film::fits(const Tile& tile) const {
@@ -92,7 +100,10 @@ bool Film::claim(const TileResult& result) {
     changed_.wait(lock,
                   [&] { return !continues() || (readers_ == 0 && everyBlock(tile, [](const Block& b) { return !b.busy; })); });
     if (!continues()) return false;
-    if (tile.firstSample > 0) sums_.fit(pixelCount());
+    if (tile.firstSample > 0) {
+        sums_.fit(pixelCount());
+        history_.fit(blocks_.size());
+    }
     everyBlock(tile, [&](Block& b) {
         b.samples += tile.sampleCount;
         b.busy = true;
@@ -141,8 +152,31 @@ bool Film::add(const TileResult& result) {
             addRow(blocks[column / BLOCK], tile.firstSample == 0, from + x, row + column, std::min(BLOCK, tile.size.x - x));
         }
     }
+    if (tile.firstSample > 0) noteDoublings(tile);
     release(tile);
     return true;
+}
+
+ErrorHistory::Means Film::judgedMeans(uvec2 origin, uint32_t samples, bool first) const {
+    ErrorHistory::Means means{};
+    ErrorHistory::forJudged(origin, resolution_, [&](uint32_t x, uint32_t y, uint32_t number) {
+        const size_t pixel = static_cast<size_t>(y) * resolution_.x + x;
+        const double sum = luminance(first ? asSum(firstSums_[pixel]) : sums_[pixel]);
+        means[number] = static_cast<float>(std::min(sum / samples, white_));
+    });
+    return means;
+}
+
+void Film::noteDoublings(const Tile& tile) {
+    const uint32_t samples = tile.firstSample + tile.sampleCount;
+    const uvec2 end = tile.origin + tile.size;
+    for (uint32_t y = tile.origin.y; y < end.y; y += BLOCK) {
+        for (uint32_t x = tile.origin.x; x < end.x; x += BLOCK) {
+            const size_t block = static_cast<size_t>(y / BLOCK) * blockCount_.x + x / BLOCK;
+            if (!blocks_[block].wide) history_.begin(block, tile.firstSample, judgedMeans(uvec2(x, y), tile.firstSample, true));
+            if (history_.counts(block, samples)) history_.reached(block, samples, judgedMeans(uvec2(x, y), samples, false));
+        }
+    }
 }
 
 glm::dvec4 Film::sumOf(const Block& block, size_t pixel) const { return block.wide ? sums_[pixel] : asSum(firstSums_[pixel]); }
@@ -210,30 +244,69 @@ void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
     }
 }
 
-double Film::relativeError() const {
-    Reading reading(*this);
-    // One pixel in 16 on a slanted grid is plenty for a figure over the whole picture and keeps this off the frame's time.
-    const uint32_t step = pixelCount() > 65536 ? 16 : 1;
-    double sumOfMeans = 0.0, sumOfErrors = 0.0;
-    uint64_t count = 0;
+Film::Judged Film::judged(std::optional<double> edges) const {
+    Judged judged;
+    uint32_t samples = 0;
+    double decay = 1.0;
     for (uint32_t y = 0; y < resolution_.y; y++) {
-        for (uint32_t x = (y * 5) % step; x < resolution_.x; x += step) {
+        for (uint32_t x = (y * 5) % ErrorHistory::STEP; x < resolution_.x; x += ErrorHistory::STEP) {
             const Block& block = blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x + x / BLOCK];
-            if (block.samples < 2) return 1.0;
+            if (edges && block.samples != samples) decay = errorDecay(block.samples, *edges);
+            samples = block.samples;
             const glm::dvec4 sum = sumOf(block, static_cast<size_t>(y) * resolution_.x + x);
-            double samples = block.samples;
-            double mean = luminance(sum) / samples;
-            double variance = std::max(0.0, sum.w / samples - mean * mean) * samples / (samples - 1.0);
-            sumOfMeans += mean;
-            sumOfErrors += variance / samples;
-            count++;
+            const double mean = luminance(sum) / samples;
+            judged.means += std::min(mean, white_);
+            judged.squares.push_back(std::max(0.0, sum.w - mean * mean * samples) / (samples - 1.0) * decay);
         }
     }
-    if (count == 0) return 1.0;
-    double mean = sumOfMeans / static_cast<double>(count);
+    return judged;
+}
+
+double Film::Judged::meanSquare() {
+    const auto count = static_cast<double>(squares.size());
+    const auto kept = squares.end() - static_cast<ptrdiff_t>(TRIMMED * count);
+    std::nth_element(squares.begin(), kept - 1, squares.end());
+    return std::accumulate(squares.begin(), kept, 0.0) / count;
+}
+
+double Film::measuredEdgeShare() const {
+    uint32_t last = std::numeric_limits<uint32_t>::max();
+    for (size_t i = 0; i < blocks_.size(); i++) {
+        last = std::min(last, blocks_[i].wide ? history_.first(i + 1)[i].doublings : 0);
+    }
+    if (blocks_.empty() || last == 0) return USUAL_EDGE_SHARE;
+    Judged variances = judged(std::nullopt);
+    const auto pixels = static_cast<double>(variances.squares.size());
+    const double variance = variances.meanSquare();
+    if (!(variance > 0.0)) return USUAL_EDGE_SHARE;
+    std::vector<Doubling> doublings;
+    for (uint32_t i = last; i > 0 && i + 3 > last; i--) {
+        std::vector<float> moved;
+        for (const ErrorHistory::Block& block : history_.first(blocks_.size())) {
+            if (block.doublings - i < ErrorHistory::KEPT) moved.push_back(block.moved[i % ErrorHistory::KEPT]);
+        }
+        // A pixel that is far off is alone in its block.
+        const auto kept = moved.end() - static_cast<ptrdiff_t>(TRIMMED * pixels);
+        std::nth_element(moved.begin(), kept - 1, moved.end());
+        const double sum = std::accumulate(moved.begin(), kept, 0.0);
+        doublings.push_back({history_.first(1)[0].first << i, sum / pixels / variance});
+    }
+    return heliograph::edgeShare(doublings);
+}
+
+double Film::edgeShare() const {
+    Reading reading(*this);
+    return measuredEdgeShare();
+}
+
+double Film::relativeError() const {
+    Reading reading(*this);
+    if (blocks_.empty() || std::ranges::any_of(blocks_, [](const Block& block) { return block.samples < 2; })) return 1.0;
+    Judged errors = judged(measuredEdgeShare());
+    const double square = errors.meanSquare();
     // A black picture without variance is exact.
-    if (!(mean > 0.0)) return sumOfErrors > 0.0 ? 1.0 : 0.0;
-    return std::min(1.0, std::sqrt(sumOfErrors / static_cast<double>(count)) / mean);
+    if (!(errors.means > 0.0)) return square > 0.0 ? 1.0 : 0.0;
+    return std::min(1.0, std::sqrt(square) * static_cast<double>(errors.squares.size()) / errors.means);
 }
 
 std::vector<float> Film::cellErrors(uvec2 cellSize) const {

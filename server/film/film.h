@@ -2,11 +2,13 @@
 // The picture while it is made: sums of radiance per pixel in double, and how far each block has come. A result is taken
 // only if it continues its blocks exactly, so late, stale and duplicate results are harmless: the first one wins.
 
+#include "server/film/error_history.h"
 #include "server/film/tile.h"
 
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 
 namespace heliograph {
 
@@ -14,11 +16,16 @@ class Film {
 public:
     /// Side of the squares of pixels whose progress is tracked; those at the right and lower border are cut by it. A tile
     /// starts on a block's border and ends on one or at the picture's edge.
-    static constexpr uint32_t BLOCK = 8;
+    static constexpr uint32_t BLOCK = ErrorHistory::BLOCK;
 
     /// Empties the film for a new request. Allocates only when the size grows: 16 bytes a pixel. Waits for adds in progress.
     /// Throws std::bad_alloc; the film is then without pixels until the next reset.
     void reset(uvec2 resolution, uint32_t generation);
+    /// Luminance from which on all is white to who looks: errors are told of pictures that end there. To be told after `reset`,
+    /// before the first result; WHITE where it is not.
+    void setWhite(double luminance) { white_ = luminance; }
+    /// White of exposure 0: the filmic curve ends at 7.24.
+    static constexpr double WHITE = 8.0;
     /// Makes room for second samples, 32 bytes a pixel more, unless there is some: before the first pass that needs it, so that
     /// `add` does not have to. Throws std::bad_alloc; the film keeps what it holds.
     void makeRoomForSums();
@@ -41,9 +48,12 @@ public:
     /// The same for the rows [firstRow, lastRow) alone, into `pixels` of width * (lastRow - firstRow). Several threads may
     /// develop at once.
     void develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const;
-    /// Estimated standard error of the pixels' mean luminance (root mean square over the picture) as a share of the
-    /// picture's mean luminance; 1 while a pixel has fewer than 2 samples. Large pictures are judged by every 16th pixel.
+    /// Estimated error of the pixels' mean luminance (root mean square over the picture without the thousandth of the pixels that
+    /// is worst; white at most) as a share of the picture's mean luminance, at most 1; 1 while a pixel has fewer than 2 samples.
+    /// Of every 16th pixel: the variance of its samples, less as the points that they are taken at cancel (error_model.h).
     double relativeError() const;
+    /// Share of the variance that edges through pixels have, as measured on this picture.
+    double edgeShare() const;
     /// How noisy each cell of `cellSize` pixels is, row-major: the standard error of its pixels' luminance as seen (that of the
     /// square root, where half a stop looks alike in dark and light), estimated from every 8th row. 0 below 2 samples.
     std::vector<float> cellErrors(uvec2 cellSize) const;
@@ -90,6 +100,20 @@ private:
     void release(const Tile& tile);
     /// Adds one row of a block's part of a result to the sums of its pixels, from `pixel` on.
     void addRow(const Block& block, bool first, const vec4* from, size_t pixel, uint32_t count);
+    /// Tells the history of the blocks of a result that has just been added.
+    void noteDoublings(const Tile& tile);
+    ErrorHistory::Means judgedMeans(uvec2 origin, uint32_t samples, bool first) const;
+    /// What is told of judged pixels: of each the squared error or variance, and the sum of the means.
+    struct Judged {
+        std::vector<double> squares;
+        double means = 0.0;
+
+        /// Mean of the squares without the worst.
+        double meanSquare();
+    };
+    /// With variances as they are (no share), or the squared errors that follow with this share of edges. Needs 2 samples.
+    Judged judged(std::optional<double> edges) const;
+    double measuredEdgeShare() const;
     glm::dvec4 sumOf(const Block& block, size_t pixel) const;
     /// Mean radiance and samples of one row of a block, from `pixel` on.
     void developRow(const Block& block, size_t pixel, uint32_t count, vec4* to) const;
@@ -100,11 +124,13 @@ private:
     uvec2 resolution_{0, 0};
     uvec2 blockCount_{0, 0};
     uint32_t generation_ = 0;
+    double white_ = WHITE;
     // Sums: rgb, squared luminance; meaningless where the block has no samples. What the first add brings is a float and is
     // kept as one: while a viewer moves there is no second, and no sums.
     Buffer<vec4> firstSums_;
     Buffer<glm::dvec4> sums_;
     std::vector<Block> blocks_;
+    ErrorHistory history_;      // of wide blocks
     mutable std::mutex mutex_;  // guards all but the sums, which belong to the claimed blocks or to the readers
     mutable std::condition_variable changed_;
     mutable uint32_t readers_ = 0;  // reading or waiting to; they go before adds

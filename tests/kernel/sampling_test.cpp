@@ -1,5 +1,6 @@
 #include "tests/kernel/kernel_access.h"
 
+#include "server/film/error_model.h"
 #include "server/scene/kernel_tables.h"
 
 #include <gtest/gtest.h>
@@ -31,6 +32,38 @@ double starDiscrepancy(const std::vector<glm::dvec2>& points) {
         }
     }
     return worst;
+}
+
+/// Area of the part of the unit square around 0 where c x + s y < offset.
+double areaBelow(double c, double s, double offset) {
+    const double a = std::max(std::abs(c), std::abs(s)), b = std::min(std::abs(c), std::abs(s));
+    const double t = offset + (a + b) / 2.0;
+    auto square = [](double z) { return z > 0.0 ? z * z : 0.0; };
+    return (square(t) - square(t - a) - square(t - b) + square(t - a - b)) / (2.0 * a * b);
+}
+
+// What a film tells of its error rests on it (film/error_model.h).
+TEST(Sampling, EdgesErrAsTheFilmTakesThemTo) {
+    constexpr uint32_t SAMPLES = 1024, LINES = 4000;
+    Random chance(5);
+    std::vector<double> squares(SAMPLES + 1, 0.0);
+    double variance = 0.0;
+    for (uint32_t line = 0; line < LINES;) {
+        const double angle = chance.number(0.0, 2.0 * EXACT_PI), offset = chance.number(-0.8, 0.8);
+        const double c = std::cos(angle), s = std::sin(angle);
+        if (std::abs(offset) >= (std::abs(c) + std::abs(s)) / 2.0) continue;  // passes the pixel
+        line++;
+        const double area = areaBelow(c, s, offset);
+        variance += area * (1.0 - area);
+        uint32_t below = 0;
+        for (uint32_t n = 1; n <= SAMPLES; n++) {
+            const vec2 p = kernel.pixelJitter(n - 1);
+            below += c * (static_cast<double>(p.x) - 0.5) + s * (static_cast<double>(p.y) - 0.5) < offset;
+            const double error = static_cast<double>(below) / n - area;
+            squares[n] += error * error;
+        }
+    }
+    for (uint32_t n = 1; n <= SAMPLES; n *= 2) EXPECT_NEAR(squares[n] / variance / edgeDecay(n), 1.0, 0.07) << n;
 }
 
 TEST(Sampling, JitterStartsAtThePixelsCentre) {

@@ -1,6 +1,8 @@
 #include "server/film/film.h"
 
+#include "server/film/error_model.h"
 #include "tests/support/fake_device.h"
+#include "tests/support/random.h"
 
 #include <gtest/gtest.h>
 
@@ -156,18 +158,87 @@ TEST(Film, KnowsWhichTilesOfAPassItStillLacks) {
     }
 }
 
-TEST(Film, RelativeErrorIsTheStandardErrorOverTheMean) {
+/// What the error of samples with this variance is, with the share that edges usually have, over a mean.
+double usualError(double variance, uint32_t samples, double mean) {
+    return std::sqrt(variance * errorDecay(samples, USUAL_EDGE_SHARE)) / mean;
+}
+
+TEST(Film, RelativeErrorIsThatOfTheVarianceByHowItFalls) {
     Film film;
     film.reset(uvec2(8, 8), 1);
     EXPECT_EQ(film.relativeError(), 1.0);
-    // Grey samples 1 and 3: mean 2, variance 2, standard error of the mean of two sqrt(2 / 2) = 1.
+    // Grey samples 1 and 3: mean 2, variance 2.
     film.add(resultFor(tileAt({0, 0}, {8, 8}, 0), vec4(1, 1, 1, 1)));
     EXPECT_EQ(film.relativeError(), 1.0);
     film.add(resultFor(tileAt({0, 0}, {8, 8}, 1), vec4(3, 3, 3, 9)));
-    EXPECT_NEAR(film.relativeError(), 0.5, 1e-12);
-    // Equal samples leave the error of the first two: sum of squares 1 + 9 + 2 * 4, n = 4: variance 2/3, error sqrt(1/6).
+    EXPECT_NEAR(film.relativeError(), usualError(2.0, 2, 2.0), 1e-12);
+    // Sum of squares 1 + 9 + 2 * 4, n = 4: variance 2/3.
     film.add(resultFor(tileAt({0, 0}, {8, 8}, 2, 2), vec4(4, 4, 4, 8)));
-    EXPECT_NEAR(film.relativeError(), std::sqrt(1.0 / 6.0) / 2.0, 1e-12);
+    EXPECT_NEAR(film.relativeError(), usualError(2.0 / 3.0, 4, 2.0), 1e-12);
+}
+
+/// Fills the film with samples that are 1 + amplitude or 1 - amplitude, by `sign(pixel, sample)`, up to so many.
+template <typename Sign>
+void fillBySign(Film& film, uint32_t samples, Sign sign) {
+    const uvec2 size = film.resolution();
+    for (uint32_t sample = film.completedSamples(); sample < samples; sample++) {
+        TileResult result = resultFor(tileAt({0, 0}, size, sample, 1, film.generation()), vec4(0));
+        for (uint32_t i = 0; i < size.x * size.y; i++) {
+            const float value = sign(i, sample) ? 1.5f : 0.5f;
+            result.radianceSum[i] = vec4(vec3(value), value * value);
+        }
+        ASSERT_TRUE(film.add(result));
+    }
+}
+
+// Of random samples the means move as independent ones do; of those whose halves agree, as those of edges do.
+TEST(Film, MeansThatDoublingsMoveTellWhatTheVarianceComesFrom) {
+    Film random, even;
+    random.reset(uvec2(256, 256), 1);
+    even.reset(uvec2(256, 256), 1);
+    EXPECT_EQ(random.edgeShare(), USUAL_EDGE_SHARE);
+    test::Random chance(7);
+    fillBySign(random, 256, [&](uint32_t, uint32_t) { return chance.word() & 1u; });
+    fillBySign(even, 256, [&](uint32_t, uint32_t sample) { return (sample & 1u) != 0; });
+    EXPECT_LT(random.edgeShare(), 0.1);
+    EXPECT_GT(even.edgeShare(), 0.5);
+    EXPECT_LT(even.relativeError(), 0.7 * random.relativeError());
+    // Independent samples: deviation 0.5, mean 1.
+    EXPECT_NEAR(random.relativeError() * std::sqrt(256.0) / 0.5, 0.75, 0.1);
+}
+
+TEST(Film, SamplesThatComeTogetherCountAsDoublingsWhereTheyAre) {
+    Film one, many;
+    one.reset(uvec2(64, 64), 1);
+    many.reset(uvec2(64, 64), 1);
+    for (uint32_t sample = 0; sample < 32; sample++) one.add(resultFor(tileAt({0, 0}, {64, 64}, sample), vec4(1, 1, 1, 2)));
+    for (auto [first, count] : {std::pair(0u, 1u), {1u, 2u}, {3u, 5u}, {8u, 8u}, {16u, 16u}}) {
+        ASSERT_TRUE(many.add(resultFor(tileAt({0, 0}, {64, 64}, first, count), vec4(1, 1, 1, 2) * float(count))));
+    }
+    EXPECT_NEAR(one.edgeShare(), many.edgeShare(), 0.05);
+}
+
+TEST(Film, WhatIsBrighterThanWhiteIsWhite) {
+    Film plain, bright;
+    for (Film* film : {&plain, &bright}) film->reset(uvec2(64, 64), 1);
+    bright.setWhite(1.0);
+    for (Film* film : {&plain, &bright}) {
+        film->add(resultFor(tileAt({0, 0}, {64, 64}, 0), vec4(1, 1, 1, 1)));
+        film->add(resultFor(tileAt({0, 0}, {64, 64}, 1), vec4(3, 3, 3, 9)));
+    }
+    EXPECT_NEAR(bright.relativeError(), std::min(1.0, 2.0 * plain.relativeError()), 1e-9) << "the mean of 2 is 1";
+}
+
+// The thousandth that is worst is left out: one pixel in 64 x 64 judged by every 16th.
+TEST(Film, AFewPixelsDoNotMakeTheFigure) {
+    Film film;
+    film.reset(uvec2(256, 256), 1);
+    for (uint32_t sample = 0; sample < 2; sample++) {
+        TileResult result = resultFor(tileAt({0, 0}, {256, 256}, sample), vec4(1, 1, 1, 1));
+        if (sample == 1) result.radianceSum[0] = vec4(vec3(1e4f), 1e8f);
+        ASSERT_TRUE(film.add(result));
+    }
+    EXPECT_EQ(film.relativeError(), 0.0);
 }
 
 TEST(Film, RelativeErrorOfABlackPictureIsZero) {
