@@ -2,6 +2,7 @@
 // What the render loop of a view works on, and what it hands over.
 
 #include "server/film/stats.h"
+#include "server/pace/error_forecast.h"
 #include "server/render/pass_renderer.h"
 #include "server/request/effect_rules.h"
 #include "server/request/loop_rules.h"
@@ -37,6 +38,7 @@ struct FinishedFrame {
     float sceneExposure = 0.0f;  // EV
     double inputSeconds = 0.0;   // from the input to the start of its first pass
     PassFigures figures;
+    ErrorForecast forecast;
 };
 
 /// Where a viewer wants to know the depth.

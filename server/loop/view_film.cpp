@@ -1,5 +1,8 @@
 #include "server/loop/view_film.h"
 
+#include "server/film/error_model.h"
+
+#include <cmath>
 #include <utility>
 
 namespace heliograph {
@@ -33,7 +36,9 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
         film_.reset();
         film_ = films_.next(filmSize(request), ++generation_);
         request_ = requestFor(scene, request, generation_, before);
+        film_->setWhite(Film::WHITE * std::exp2(-(scene.scene->exposure + request.settings.exposure)));
         samples_ = deliveredSamples_ = 0;
+        errors_.clear();
         figures_.devices = 0;  // what a pass that was given up left behind is not in this film
     }
     view_ = request;
@@ -45,7 +50,16 @@ bool ViewFilm::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_to
     if (!passes.render({renderer, request_, *film_, memory_, samples_, std::move(stop), {}, urgent}, figures_, std::move(turn)))
         return false;
     samples_ = film_->completedSamples();
+    noteError();
     return true;
+}
+
+void ViewFilm::noteError() {
+    constexpr uint32_t GROWTH = 16;  // by a part of so many since the last time
+    if (samples_ < 2 || (!errors_.empty() && samples_ - errors_.back().samples < errors_.back().samples / GROWTH + 1)) return;
+    edgeShare_ = film_->edgeShare();
+    errors_.push_back(
+        {samples_, std::chrono::duration<double>(Clock::now().time_since_epoch()).count(), film_->relativeError()});
 }
 
 Delivery ViewFilm::delivery() const {
@@ -70,6 +84,7 @@ FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
     frame.final = samples_ >= view_->settings.samples && !path;
     frame.path = path;
     frame.sceneExposure = scene.exposure;
+    frame.forecast = forecastError(errors_, [edges = edgeShare_](double n) { return std::sqrt(errorDecay(n, edges)); });
     frame.inputSeconds = inputSeconds_;
     frame.figures = std::exchange(figures_, PassFigures{});
     deliveredSamples_ = samples_;

@@ -2,6 +2,7 @@
 // The film of a view and what its viewer was sent of it. Used by the view's thread alone.
 
 #include "server/film/film_pool.h"
+#include "server/pace/error_forecast.h"
 #include "server/render/pass_renderer.h"
 #include "server/request/loop_rules.h"
 #include "server/loop/finished_frame.h"
@@ -45,14 +46,19 @@ public:
     std::shared_ptr<Film> extra(uvec2 resolution) { return films_.extra(resolution, ++generation_); }
 
 private:
+    /// Asks the film for its error, seldom enough to cost nothing.
+    void noteError();
+
     FilmPool films_;
     std::shared_ptr<Film> film_;
     std::optional<ViewRequest> view_;
     FrameRequest request_;
     uint32_t generation_ = 0;
-    uint32_t samples_ = 0;       // per pixel, finished
-    double inputSeconds_ = 0.0;  // from the input to the start of the first pass
-    PassFigures figures_;        // since the last frame
+    uint32_t samples_ = 0;            // per pixel, finished
+    double inputSeconds_ = 0.0;       // from the input to the start of the first pass
+    PassFigures figures_;             // since the last frame
+    std::vector<ErrorPoint> errors_;  // of the film, as it was asked
+    double edgeShare_ = 0.0;          // at the last of them
     ViewMemory memory_;
     uint32_t deliveredSamples_ = 0;
     bool finalDelivered_ = false;

@@ -71,6 +71,20 @@ json partsJson(const ScheduleReport& report) {
     return parts;
 }
 
+/// How the error goes on: nothing while that is not known.
+json forecastJson(const ErrorForecast& forecast) {
+    constexpr size_t STEPS = 3;
+    if (forecast.samples == 0) return nullptr;
+    json steps = json::array();
+    for (double error : roundErrorsBelow(forecast.error, STEPS)) {
+        const std::optional<double> samples = forecast.samplesUntil(error), seconds = forecast.secondsUntil(error);
+        if (!samples) break;
+        steps.push_back(
+            {{"error", error}, {"samples", std::ceil(*samples)}, {"seconds", seconds ? json(finite(*seconds)) : json()}});
+    }
+    return {{"plateau", forecast.plateau}, {"steps", steps}};
+}
+
 /// The offered words of the setting `device` that mean a device of this row.
 std::vector<std::string> wordsOf(const DeviceRow& row, const std::vector<std::string>& offered) {
     std::vector<std::string> words;
@@ -171,6 +185,7 @@ std::string statsMessage(const ViewerStats& s) {
                     {"samples", s.samples},
                     {"targetSamples", s.targetSamples},
                     {"relativeError", finite(s.relativeError)},
+                    {"forecast", forecastJson(s.forecast)},
                     {"rays", toJson(s.rays)},
                     {"mraysPerSecond", finite(s.mraysPerSecond)},
                     {"ms", ms},

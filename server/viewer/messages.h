@@ -8,6 +8,7 @@
 #include "server/loop/effect_meter.h"
 #include "server/loop/view_pace.h"
 #include "server/film/partition.h"
+#include "server/pace/error_forecast.h"
 #include "server/schedule/schedule_report.h"
 #include "server/loop/path_run.h"
 #include "server/film/tile.h"
@@ -37,6 +38,7 @@ struct ViewerStats {
     uint32_t samples = 0;
     uint32_t targetSamples = 0;
     double relativeError = 1.0;
+    ErrorForecast forecast;
     RayCounts rays;  // of the last pass
     double mraysPerSecond = 0.0;
     struct Milliseconds {

@@ -134,6 +134,7 @@ EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, 
     result.figures = frame.figures;
     result.order = frame.picture;
     result.targetSamples = frame.view.settings.samples;
+    result.forecast = frame.forecast;
     if (made.still) result.still = std::make_shared<StillPicture>(StillPicture{made.still, result.header});
     return result;
 }

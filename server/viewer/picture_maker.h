@@ -50,6 +50,7 @@ struct EncodedFrame {
     PassFigures figures;
     std::optional<PictureOrder> order;  // of a picture
     uint32_t targetSamples = 0;
+    ErrorForecast forecast;
     double coreSeconds = 0.0;                   // processor time of developing and encoding
     bool shared = false;                        // another viewer's thread has made it
     std::shared_ptr<const StillPicture> still;  // where it was to be kept

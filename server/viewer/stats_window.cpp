@@ -18,6 +18,7 @@ void StatsWindow::frameSent(const EncodedFrame& frame) {
     last_.samples = frame.header.samples;
     last_.targetSamples = frame.targetSamples;
     last_.relativeError = frame.header.relativeError;
+    last_.forecast = frame.forecast;
     if (frame.figures.passes > 0) {
         last_.rays = frame.figures.lastRays;
         last_.schedule = frame.figures.schedule;

@@ -308,6 +308,13 @@ class FakeViewer {
       samples: this.samples,
       targetSamples: this.settings.samples,
       relativeError: 0.05,
+      forecast: {
+        plateau: false,
+        steps: [
+          { error: 0.02, samples: this.settings.samples / 2, seconds: 4.2 },
+          { error: 0.01, samples: this.settings.samples * 4, seconds: 60 },
+        ],
+      },
       rays: {
         primary: 1296000,
         shadow: 2310400,

@@ -9,6 +9,16 @@ import { Checks, expect, pause, until } from './page.mjs';
 const DESKTOP = { width: 1440, height: 900 };
 const focused = (page) => page.evaluate(() => document.activeElement.tagName);
 
+async function forecast(checks, session) {
+  await checks.check('the statistics foretell the error, and what more samples would bring', async () => {
+    const text = () => session.page.locator('#statistics-panel .forecast').textContent();
+    await until('a forecast', 8000, async () => /^1 % would take [\d\u202f]+ samples$/.test(await text()));
+    const { samples } = (await session.state()).settings;
+    const told = Number((await text()).replace(/\u202f/g, '').match(/(\d+) samples/)[1]);
+    expect(Math.abs(told / (4 * samples) - 1) < 0.05, `${told} samples, not four times ${samples}`);
+  });
+}
+
 async function numbers(checks, session) {
   const { page } = session;
   const field = session.field('exposure').locator('.number-field');
@@ -205,6 +215,7 @@ export async function panelChecks(checks) {
     const set = { HELIOGRAPH_FAKE_SET: '{"exposure":0.25}' };
     if (!(await checks.check('the page is ready for panels', () => session.start(DESKTOP, {}, set)))) return;
     await words(checks, session);
+    await forecast(checks, session);
     await numbers(checks, session);
     await keyboard(checks, session);
     await searching(checks, session);

@@ -125,6 +125,19 @@ export interface SchedulerStats {
   readonly reissued: number;
 }
 
+/** An error that the picture comes down to, and when. */
+export interface ForecastStep {
+  readonly error: number; // relative
+  readonly samples: number;
+  readonly seconds: number | null; // from the newest frame of the statistics; null: not known
+}
+
+/** How the picture's error goes on falling. */
+export interface Forecast {
+  readonly plateau: boolean; // more samples have not helped lately
+  readonly steps: readonly ForecastStep[]; // the largest error first
+}
+
 export interface Stats {
   readonly type: 'stats';
   readonly device: string;
@@ -132,6 +145,7 @@ export interface Stats {
   readonly samples: number;
   readonly targetSamples: number;
   readonly relativeError: number;
+  readonly forecast: Forecast | null; // not known
   readonly rays: Numbers;
   readonly mraysPerSecond: number;
   readonly ms: Numbers;
@@ -339,6 +353,20 @@ function paceOf(value: unknown): Pace | null {
   };
 }
 
+function forecastOf(value: unknown): Forecast | null {
+  if (!isObject(value)) return null;
+  const steps = listOf(value['steps']).map((entry) => {
+    const fields = fieldsOf(entry);
+    const seconds = fields['seconds'];
+    return {
+      error: numberOf(fields['error']),
+      samples: numberOf(fields['samples']),
+      seconds: typeof seconds === 'number' ? seconds : null,
+    };
+  });
+  return { plateau: value['plateau'] === true, steps };
+}
+
 function statsOf(fields: Fields): Stats {
   return {
     type: 'stats',
@@ -347,6 +375,7 @@ function statsOf(fields: Fields): Stats {
     samples: numberOf(fields['samples']),
     targetSamples: numberOf(fields['targetSamples']),
     relativeError: numberOf(fields['relativeError'], 1),
+    forecast: forecastOf(fields['forecast']),
     rays: numbersOf(fields['rays']),
     mraysPerSecond: numberOf(fields['mraysPerSecond']),
     ms: numbersOf(fields['ms']),

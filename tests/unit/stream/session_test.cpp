@@ -257,6 +257,19 @@ TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
     EXPECT_EQ(line.socket->last("settings")["values"]["device"], "hybrid");
 }
 
+TEST(Messages, StatisticsForetellTheError) {
+    ViewerStats stats;
+    EXPECT_TRUE(nlohmann::json::parse(statsMessage(stats))["forecast"].is_null());
+    const std::vector<ErrorPoint> history = {{4, 1.0, 0.06}, {16, 2.0, 0.03}};
+    stats.forecast = forecastError(history);
+    const auto forecast = nlohmann::json::parse(statsMessage(stats))["forecast"];
+    EXPECT_EQ(forecast["plateau"], false);
+    ASSERT_EQ(forecast["steps"].size(), 3u);
+    EXPECT_NEAR(forecast["steps"][1]["error"].get<double>(), 0.01, 1e-12);
+    EXPECT_NEAR(forecast["steps"][1]["samples"].get<double>(), 144.0, 1.0);
+    EXPECT_NEAR(forecast["steps"][1]["seconds"].get<double>(), 128.0 / 12.0, 1e-3);
+}
+
 TEST(Messages, StatisticsSayWhoTookPartAndWhyNot) {
     ViewerStats stats;
     stats.schedule.devices = {

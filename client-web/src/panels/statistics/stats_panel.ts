@@ -8,6 +8,7 @@ import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from '../../page/dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from '../../page/format.js';
 import { Window } from '../../picture/latency.js';
+import { forecastText } from '../../picture/forecast_text.js';
 import { waitText } from '../../picture/time_left.js';
 import { frameSizeText } from '../../picture/resolution.js';
 import type { Panel } from '../panel.js';
@@ -82,6 +83,7 @@ export class StatsPanel {
   private readonly samples_ = el('span', { class: 'figure' });
   private readonly progress_ = el('progress', { max: 1, value: 0, 'aria-label': 'Samples so far' });
   private readonly error_ = el('span', { class: 'figure' });
+  private readonly forecast_ = el('p', { class: 'forecast muted', hidden: true });
   private readonly stages_ = new BarList();
   private readonly timeline_ = new FrameTimeline();
   private readonly rayList_ = new BarList();
@@ -106,6 +108,7 @@ export class StatsPanel {
         line('Samples per pixel', this.samples_),
         this.progress_,
         line('Relative error', this.error_),
+        this.forecast_,
       ),
       section('Time of a frame', this.stages_.element),
       section('Where the time went, frame by frame', this.timeline_.element),
@@ -171,6 +174,9 @@ export class StatsPanel {
     this.progress_.value = target > 0 ? Math.min(1, samples / target) : 0;
     const error = lastFrame?.relativeError ?? 1;
     setText(this.error_, error >= 1 ? UNKNOWN : percent(error));
+    const ahead = lastFrame?.moving === false ? forecastText(stats?.forecast ?? null, !lastFrame.final, target) : '';
+    setText(this.forecast_, ahead);
+    this.forecast_.hidden = ahead === '';
   }
 
   private refreshStages(): void {
