@@ -33,7 +33,7 @@ uploads              base net/guard
 net                  base kernel scene request net/guard net/listen uploads
 pool                 base kernel scene request film net
 lab                  base kernel scene request film device schedule render
-lab/accuracy         base kernel scene images request film device schedule render encode lab
+lab/accuracy         base kernel scene images request film device schedule render encode lab pace
 pace                 base
 loop                 base kernel scene request film device schedule render pace
 viewer               base kernel scene scene/load request film device schedule render pace loop encode net net/guard

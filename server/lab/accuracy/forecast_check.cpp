@@ -1,0 +1,224 @@
+#include "server/lab/accuracy/forecast_check.h"
+
+#include "server/film/error_model.h"
+#include "server/film/film.h"
+#include "server/lab/accuracy/reference.h"
+#include "server/pace/error_forecast.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <numeric>
+
+namespace heliograph {
+
+namespace {
+
+double luminance(vec3 rgb) {
+    return static_cast<double>(LUMINANCE_RED) * rgb.x + static_cast<double>(LUMINANCE_GREEN) * rgb.y +
+           static_cast<double>(LUMINANCE_BLUE) * rgb.z;
+}
+
+/// White at most.
+std::vector<double> luminances(const std::vector<vec4>& pixels, double white) {
+    std::vector<double> all;
+    all.reserve(pixels.size());
+    for (const vec4& pixel : pixels) all.push_back(std::min(luminance(vec3(pixel)), white));
+    return all;
+}
+
+/// Mean of the squared differences, without the thousandth that is largest.
+double meanSquare(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> squares;
+    for (size_t i = 0; i < a.size(); i++) squares.push_back((a[i] - b[i]) * (a[i] - b[i]));
+    const auto kept = squares.end() - static_cast<ptrdiff_t>(1e-3 * static_cast<double>(squares.size()));
+    std::nth_element(squares.begin(), kept - 1, squares.end());
+    return std::accumulate(squares.begin(), kept, 0.0) / static_cast<double>(squares.size());
+}
+
+/// The reference in luminance.
+struct Truth {
+    std::vector<double> pixels;
+    double mean = 0.0, white = 0.0;
+    double ownSquare = 0.0;  // mean squared error of its own
+
+    Truth(const Reference& reference, double white) : pixels(luminances(reference.picture().pixels, white)), white(white) {
+        for (double pixel : pixels) mean += pixel / static_cast<double>(pixels.size());
+        // The halves are twice as far from each other as their mean is from the truth.
+        ownSquare = meanSquare(luminances(reference.half(0).pixels, white), luminances(reference.half(1).pixels, white)) / 4.0;
+    }
+};
+
+/// A film, and beside it the squares of its samples.
+class CheckedFilm {
+public:
+    CheckedFilm(Renderer& renderer, const FrameRequest& request, double white) : renderer_(renderer), request_(request) {
+        film_.reset(request.resolution, request.generation);
+        film_.setWhite(white);
+        squares_.assign(static_cast<size_t>(request.resolution.x) * request.resolution.y, 0.0);
+        cell_ = glm::min(tileSize(request.settings), request.resolution);
+        view_.costs.begin(request.resolution, cell_);
+    }
+
+    void addSample() {
+        std::mutex mutex;
+        auto sink = [&](TileResult&& result) {
+            std::lock_guard lock(mutex);
+            film_.add(result);
+            const uvec2 origin = result.tile.origin, size = result.tile.size;
+            const std::span<const vec4> sums = result.sums();
+            for (uint32_t y = 0; y < size.y; y++) {
+                for (uint32_t x = 0; x < size.x; x++) {
+                    squares_[static_cast<size_t>(origin.y + y) * request_.resolution.x + origin.x + x] +=
+                        static_cast<double>(sums[static_cast<size_t>(y) * size.x + x].w);
+                }
+            }
+        };
+        renderer_.render(request_, film_.tilesFor(samples_++, 1, cell_), view_, sink, {});
+    }
+
+    ForecastRow row(const Truth& truth) const {
+        ForecastRow row;
+        row.samples = samples_;
+        row.estimated = film_.relativeError();
+        row.edgeShare = film_.edgeShare();
+        std::vector<vec4> developed;
+        film_.develop(developed);
+        const std::vector<double> pixels = luminances(developed, truth.white);
+        std::vector<double> deviations, none(pixels.size(), 0.0);
+        for (size_t i = 0; i < pixels.size(); i++) {
+            const double mean = luminance(vec3(developed[i]));
+            deviations.push_back(std::sqrt(std::max(0.0, squares_[i] / samples_ - mean * mean) / (samples_ - 1.0)));
+        }
+        row.independent = std::sqrt(meanSquare(deviations, none)) / truth.mean;
+        row.measured = std::sqrt(std::max(0.0, meanSquare(pixels, truth.pixels) - truth.ownSquare)) / truth.mean;
+        row.ownError = std::sqrt(truth.ownSquare) / truth.mean;
+        return row;
+    }
+
+    uint32_t samples() const { return samples_; }
+    double relativeError() const { return film_.relativeError(); }
+    double edgeShare() const { return film_.edgeShare(); }
+
+private:
+    Renderer& renderer_;
+    FrameRequest request_;
+    Film film_;
+    std::vector<double> squares_;
+    uvec2 cell_{0, 0};
+    ViewMemory view_;
+    uint32_t samples_ = 0;
+};
+
+/// What is said of all rows together.
+struct Within {
+    size_t rows = 0, within = 0;
+
+    void add(double ratio) {
+        rows++;
+        if (ratio >= LEAST_RATIO && ratio <= MOST_RATIO) within++;
+    }
+    double share() const { return rows > 0 ? static_cast<double>(within) / static_cast<double>(rows) : 0.0; }
+};
+
+struct Summary {
+    Within estimated, foretold, independent;
+
+    explicit Summary(const std::vector<ForecastView>& views) {
+        for (const ForecastView& view : views) {
+            for (const ForecastRow& row : view.rows) {
+                if (row.samples < FORETOLD_FROM || !row.counts()) continue;
+                estimated.add(row.ratio());
+                independent.add(row.independent / row.measured);
+                if (row.samples > FORETOLD_FROM) foretold.add(row.foretoldRatio());
+            }
+        }
+    }
+};
+
+}  // namespace
+
+std::vector<ForecastRow> checkForecast(Renderer& renderer, const FrameRequest& request, double white, uint32_t samples,
+                                       uint32_t referenceSamples, const Progress& progress) {
+    Reference reference(request);
+    while (reference.samples() < referenceSamples) {
+        reference.addRun(renderer);
+        report(progress, "reference", static_cast<double>(reference.samples()) / (referenceSamples + samples));
+    }
+    const Truth truth(reference, white);
+    CheckedFilm film(renderer, request, white);
+    std::vector<ErrorPoint> history;
+    ErrorLaw law;
+    std::vector<ForecastRow> rows;
+    while (film.samples() < samples) {
+        film.addSample();
+        if (film.samples() <= FORETOLD_FROM) {
+            history.push_back({film.samples(), 0.0, film.relativeError()});
+            law = [edges = film.edgeShare()](double n) { return std::sqrt(errorDecay(n, edges)); };
+        }
+        if (film.samples() < 2 || !std::has_single_bit(film.samples())) continue;
+        rows.push_back(film.row(truth));
+        rows.back().foretold = forecastError(history, law).errorAt(film.samples());
+        report(progress, "picture", static_cast<double>(referenceSamples + film.samples()) / (referenceSamples + samples));
+    }
+    return rows;
+}
+
+nlohmann::ordered_json toJson(const std::vector<ForecastView>& views) {
+    nlohmann::ordered_json json;
+    json["views"] = nlohmann::ordered_json::array();
+    for (const ForecastView& view : views) {
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        for (const ForecastRow& row : view.rows) {
+            rows.push_back({{"samples", row.samples},
+                            {"estimated", row.estimated},
+                            {"independent", row.independent},
+                            {"foretold", row.foretold},
+                            {"measured", row.measured},
+                            {"reference_error", row.ownError},
+                            {"edge_share", row.edgeShare},
+                            {"counts", row.counts()}});
+        }
+        json["views"].push_back({{"scene", view.scene}, {"view", view.view}, {"rows", rows}});
+    }
+    const Summary summary(views);
+    json["least_ratio"] = LEAST_RATIO;
+    json["most_ratio"] = MOST_RATIO;
+    json["from_samples"] = FORETOLD_FROM;
+    auto add = [&](const char* name, const Within& within) {
+        json[name] = {{"rows", within.rows}, {"within", within.within}, {"share", within.share()}};
+    };
+    add("estimated", summary.estimated);
+    add("foretold", summary.foretold);
+    add("independent", summary.independent);
+    return json;
+}
+
+std::string toTable(const std::vector<ForecastView>& views) {
+    std::string table =
+        "scene, view                     samples  measured estimated ratio  foretold ratio  independent  edges\n";
+    char line[256];
+    for (const ForecastView& view : views) {
+        for (const ForecastRow& row : view.rows) {
+            std::snprintf(line, sizeof line, "%-32s %6u %8.3f%% %8.3f%%  %.2f %8.3f%%  %.2f        %.2f   %.2f%s\n",
+                          (view.scene + ", " + view.view).substr(0, 32).c_str(), row.samples, 100.0 * row.measured,
+                          100.0 * row.estimated, row.ratio(), 100.0 * row.foretold, row.foretoldRatio(),
+                          row.independent / row.measured, row.edgeShare, row.counts() ? "" : "  (reference too coarse)");
+            table += line;
+        }
+    }
+    const Summary summary(views);
+    auto add = [&](const char* what, const Within& within) {
+        std::snprintf(line, sizeof line, "%s: %zu of %zu within %.1f to %.1f (%.0f %%)\n", what, within.within, within.rows,
+                      LEAST_RATIO, MOST_RATIO, 100.0 * within.share());
+        table += line;
+    };
+    add("estimated by the film, from 16 samples on", summary.estimated);
+    add("foretold from the first 16 samples", summary.foretold);
+    add("if samples were independent", summary.independent);
+    return table;
+}
+
+}  // namespace heliograph
