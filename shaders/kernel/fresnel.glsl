@@ -2,10 +2,12 @@
 
 // Unpolarised reflectance of a dielectric. cosI: cosine of the incident angle, >= 0; eta: index of the side the light
 // comes from over that of the other. Returns 1 under total internal reflection and sets cosT, the cosine of the refracted
-// angle (0 then). The radicand is written (1 - eta) * (1 + eta) + eta^2 cos^2, which does not cancel near grazing.
+// angle (0 then). The radicand 1 - eta^2 + eta^2 cos^2 is nearly 0 about the critical angle: its products are taken with their rests.
 float fresnelDielectric(float cosI, float eta, OUT(float) cosT) {
     float c = min(cosI, 1.0f);
-    float radicand = (1.0f - eta) * (1.0f + eta) + eta * eta * c * c;
+    float bent = eta * c;
+    float small = restOfProduct(bent, bent) - restOfProduct(eta, eta) + 2.0f * bent * restOfProduct(eta, c);
+    float radicand = ((1.0f - eta * eta) + bent * bent) + small;
     bool total = radicand < 0.0f;
     cosT = sqrt(max(radicand, 0.0f));
     float parallel = (c - eta * cosT) / max(c + eta * cosT, 1.0e-20f);

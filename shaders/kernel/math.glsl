@@ -14,6 +14,17 @@ float maxComponent(vec3 v) { return max(max(v.x, v.y), v.z); }
 
 float luminance(vec3 c) { return LUMINANCE_RED * c.x + LUMINANCE_GREEN * c.y + LUMINANCE_BLUE * c.z; }
 
+// What the rounded product of a and b lacks, exactly. Dekker, "A Floating-Point Technique for Extending the Available Precision" (1971).
+float restOfProduct(float a, float b) {
+    float wideA = 4097.0f * a;
+    float wideB = 4097.0f * b;
+    float highA = wideA - (wideA - a);
+    float highB = wideB - (wideB - b);
+    float lowA = a - highA;
+    float lowB = b - highB;
+    return lowA * lowB - ((a * b - highA * highB) - lowA * highB - highA * lowB);
+}
+
 // Unit vector; (0, 0, 0) stays what it is.
 vec3 normalize3(vec3 v) {
     float lengthSquared = dot(v, v);

@@ -125,5 +125,21 @@ TEST(Fresnel, SchlickRunsFromF0ToWhite) {
     }
 }
 
+TEST(Fresnel, KeepsItsDigitsAboutTheCriticalAngle) {
+    EveryKernel k = bareKernel();
+    for (double index : {1.1, 1.5, 2.4}) {
+        const double critical = std::asin(1.0 / index);
+        for (int i = -2000; i <= 2000; i++) {
+            const auto cosI = static_cast<float>(std::cos(critical + i * 1e-7));
+            const auto eta = static_cast<float>(index);
+            float cosT = 0.0f;
+            const float r = k.fresnelDielectric(cosI, eta, cosT);
+            const long double e = eta, c = cosI, radicand = (1.0L - e) * (1.0L + e) + e * e * c * c;
+            ASSERT_EQ(r == 1.0f, radicand <= 0.0L) << index << ' ' << i;
+            ASSERT_NEAR(cosT, std::sqrt(std::max(radicand, 0.0L)), 2e-7) << index << ' ' << i;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace heliograph

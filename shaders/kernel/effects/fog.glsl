@@ -5,17 +5,6 @@
 
 UINT_CONSTANT(FOG_SALT, 0x666f6721u)
 
-// What the rounded product of a and b lacks, exactly. Dekker, "A Floating-Point Technique for Extending the Available Precision" (1971).
-float restOfProduct(float a, float b) {
-    float wideA = 4097.0f * a;
-    float wideB = 4097.0f * b;
-    float highA = wideA - (wideA - a);
-    float highB = wideB - (wideB - b);
-    float lowA = a - highA;
-    float lowB = b - highB;
-    return lowA * lowB - ((a * b - highA * highB) - lowA * highB - highA * lowB);
-}
-
 // Where the way from `origin` along `direction` enters the fog (x) and how far it goes in it (y), metres, up to `distance`. By the
 // point of the ray that is nearest the middle, with what rounds its products: squares of a distance far from the ball leave none of
 // its radius' digits. After Haines, Guenther & Akenine-Moeller, "Precision Improvements for Ray/Sphere Intersection", Ray Tracing
