@@ -1,7 +1,7 @@
 // Whether a ray meets a triangle, so that no ray slips through an edge that two triangles share. Woop, Benthin & Wald,
 // "Watertight Ray/Triangle Intersection", JCGT 2(1) 2013, without its fallback to double: an edge function that rounds
 // to 0 counts as inside for both neighbours, which can give the edge to both but never to none. Holds only where products
-// and sums are not contracted.
+// and sums are not contracted. Uses kernel/triangle.glsl.
 
 // A ray's own coordinates: axes permuted so that the third is the direction's largest, sheared so that it looks along it.
 struct RayFrame {
@@ -49,6 +49,9 @@ float triangleDistance(RayFrame f, vec3 v0, vec3 v1, vec3 v2) {
     bool negative = min(min(u, v), w) < 0.0f;
     bool positive = max(max(u, v), w) > 0.0f;
     if (negative == positive) return -1.0f;  // outside, or all three 0: seen edge-on
-    vec3 n = cross(v1 - v0, v2 - v0);
+    vec3 e1 = v1 - v0;
+    vec3 e2 = v2 - v0;
+    float scale = scaleToOne(e1, e2);  // a product of three lengths leaves float beyond 1e12
+    vec3 n = cross(e1 * scale, e2 * scale);
     return dot(toCorner, n) / dot(f.direction, n);
 }

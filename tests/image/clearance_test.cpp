@@ -18,7 +18,7 @@ EveryKernel kernel = bareKernel();
 using glm::abs;
 using glm::max;
 using glm::min;
-struct OwnTest {
+struct OwnTest : EveryKernel {
 #include "shaders/vulkan/ray_triangle.glsl"
 };
 #undef SELECT

@@ -14,7 +14,7 @@ using namespace test;
 using glm::abs;
 using glm::max;
 using glm::min;
-struct TriangleTest {
+struct TriangleTest : EveryKernel {
 #include "shaders/vulkan/ray_triangle.glsl"
 };
 #undef SELECT
@@ -94,6 +94,21 @@ TEST(RayTriangle, DistanceMatchesDouble) {
         const float t = test.triangleDistance(test.rayFrame(origin, d), a, b, c);
         const dvec3 dn = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a));
         ASSERT_NEAR(t, glm::dot(dvec3(a) - dvec3(origin), dn) / glm::dot(dvec3(d), dn), 2e-5);
+    }
+}
+
+TEST(RayTriangle, DistancesScaleToTheEndsOfFloat) {
+    TriangleTest test;
+    Random random(4);
+    for (int i = 0; i < 2000; i++) {
+        const vec3 a = random.inCube(1.0f), b = random.inCube(1.0f), c = random.inCube(1.0f), origin = random.inCube(1.0f);
+        const vec3 d = test.normalize3((a + b + c) * 0.333f - origin);
+        const float usual = test.triangleDistance(test.rayFrame(origin, d), a, b, c);
+        for (float scale : {0x1p-50f, 0x1p40f, 0x1p55f}) {
+            const float t = test.triangleDistance(test.rayFrame(origin * scale, d), a * scale, b * scale, c * scale);
+            ASSERT_EQ(t, usual > 0.0f ? usual * scale : t) << "a power of two rounds nothing";
+            ASSERT_EQ(t > 0.0f, usual > 0.0f);
+        }
     }
 }
 
