@@ -131,5 +131,27 @@ TEST(Light, HeadlightStandsInTheCameraAndDoesNotFade) {
     EXPECT_EQ(sample.direction, vec3(0.0f, 0.0f, 1.0f));
 }
 
+// A point on a ceiling around a lamp that is let into it may round to either side of the lamp's plane.
+TEST(Light, AQuadGivesNothingInItsOwnPlane) {
+    EveryKernel k = bareKernel();
+    Random random(9);
+    for (int i = 0; i < 20000; i++) {
+        Light light{};
+        light.type = LIGHT_QUAD;
+        light.position = random.inCube(3.0f);
+        light.direction = random.direction();
+        light.aspect = 1.0f;
+        light.intensity = vec3(1.0f);
+        vec3 t, b;
+        k.orthonormalBasis(light.direction, t, b);
+        light.edge = t * 0.5f;
+        const float u = random.real(0.0f, 1.0f), v = random.real(0.0f, 1.0f);
+        const vec3 inPlane = light.position + t * random.real(-1.0f, 1.0f) + b * random.real(-1.0f, 1.0f);
+        ASSERT_EQ(k.quadLightAt(light, u, v, inPlane).irradiance, vec3(0.0f));
+        ASSERT_GT(k.quadLightAt(light, u, v, inPlane + light.direction * 1e-4f).irradiance.x, 0.0f);
+        ASSERT_EQ(k.quadLightAt(light, u, v, inPlane - light.direction * 1e-4f).irradiance, vec3(0.0f));
+    }
+}
+
 }  // namespace
 }  // namespace heliograph

@@ -58,6 +58,8 @@ vec3 coneDirection(vec3 axis, float x, float turn) {
     return normalize3(tangent * (r * cosine) + bitangent * (r * sine) + axis * (1.0f - x));
 }
 
+FLOAT_CONSTANT(LAMP_FRONT, 4.76837158203125e-7f)  // 2^-21
+
 LightSample quadLightAt(Light light, float u, float v, vec3 point) {
     LightSample result;
     vec3 normal = light.direction;
@@ -66,7 +68,11 @@ LightSample quadLightAt(Light light, float u, float v, vec3 point) {
     vec3 offset = light.position + edge * (2.0f * u - 1.0f) + across * (2.0f * v - 1.0f) - point;
     result.distance = sqrt(dot(offset, offset));
     result.direction = offset * (1.0f / SELECT(result.distance > 0.0f, result.distance, 1.0f));
-    float cosine = max(-dot(result.direction, normal), 0.0f);
+    // What lies in the lamp's plane gets none, on whichever side of it rounding has left the point.
+    vec3 middle = light.position;
+    vec3 reach = max3(abs3(point), abs3(middle));
+    bool before = dot(point - middle, normal) > maxComponent(reach) * LAMP_FRONT;
+    float cosine = SELECT(before, max(-dot(result.direction, normal), 0.0f), 0.0f);
     result.irradiance = light.intensity * (lightFalloff(light, result.distance) * cosine);
     return result;
 }
