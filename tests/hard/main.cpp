@@ -1,7 +1,8 @@
 // The catalogue of hard cases: hard_cases [--case NAME|NUMBER]... [--nightly] [--device vulkan:N|none] [--json] [--markdown]
-// [--report FILE.html] [--ray 'OX OY OZ DX DY DZ'] [--list]
+// [--report FILE.html] [--ray 'OX OY OZ DX DY DZ'] [--list]; --mutations FIRST reads one block of case 40
 // The last line is `N passed, N failed`: cells of the product (own, embree, vulkan). Exit code 1 if one failed, 2 for bad input.
 
+#include "tests/hard/cases.h"
 #include "tests/hard/report.h"
 
 #include <algorithm>
@@ -90,6 +91,8 @@ int run(const Options& options) {
 }  // namespace heliograph::hard
 
 int main(int count, char** words) {
+    if (count == 3 && std::string(words[1]) == "--mutations")
+        return heliograph::hard::readMutations(std::strtoull(words[2], nullptr, 10));
     heliograph::hard::Options options;
     if (!heliograph::hard::parse(count, words, options)) return 2;
     try {

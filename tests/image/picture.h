@@ -4,6 +4,7 @@
 #include "server/device/embree/embree_device.h"
 #include "tests/support/direct_renderer.h"
 #include "tests/support/bodies.h"
+#include "tests/support/random.h"
 
 #include <cmath>
 #include <stdexcept>
@@ -12,8 +13,6 @@ namespace heliograph::test {
 
 using glm::dvec2;
 using glm::dvec3;
-
-constexpr double EXACT_PI = 3.14159265358979323846;
 
 struct Picture {
     uvec2 size{0, 0};

@@ -12,7 +12,6 @@ namespace heliograph::test {
 using EveryKernel = scalar_kernel::Kernel<0xffffffffu>;
 using glm::dvec3;
 
-constexpr double EXACT_PI = 3.14159265358979323846;
 constexpr float INFINITE = std::numeric_limits<float>::infinity();
 constexpr float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 

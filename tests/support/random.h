@@ -8,6 +8,8 @@
 
 namespace heliograph::test {
 
+constexpr double EXACT_PI = 3.14159265358979323846;
+
 class Random {
 public:
     explicit Random(uint64_t seed) : state_(seed * 2u + 1u) { word(); }
