@@ -33,7 +33,8 @@ struct FinishedFrame {
     ViewRequest view;
     uint32_t generation = 0;
     uint32_t samples = 0;        // per pixel
-    bool final = false;          // the sample target is reached
+    bool final = false;          // the sample target or the error target is reached
+    bool errorReached = false;   // the error target, with fewer samples
     bool path = false;           // part of a run along the camera path
     float sceneExposure = 0.0f;  // EV
     double inputSeconds = 0.0;   // from the input to the start of its first pass

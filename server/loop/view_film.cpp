@@ -2,6 +2,7 @@
 
 #include "server/film/error_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -62,11 +63,22 @@ void ViewFilm::noteError() {
         {samples_, std::chrono::duration<double>(Clock::now().time_since_epoch()).count(), film_->relativeError()});
 }
 
+bool ViewFilm::errorReached() const {
+    constexpr uint32_t LEAST = 4;  // samples; fewer tell nothing of what the errors fall by
+    return view_->settings.errorTarget > 0.0f && samples_ >= LEAST && !errors_.empty() &&
+           100.0 * errors_.back().error <= static_cast<double>(view_->settings.errorTarget);
+}
+
+uint32_t ViewFilm::targetSamples() const {
+    const uint32_t asked = view_->settings.samples;
+    return errorReached() ? std::min(samples_, asked) : asked;
+}
+
 Delivery ViewFilm::delivery() const {
     Delivery delivery;
     if (!view_) return delivery;
     delivery.samples = samples_;
-    delivery.targetSamples = view_->settings.samples;
+    delivery.targetSamples = targetSamples();
     delivery.deliveredSamples = deliveredSamples_;
     delivery.outdated = deliveredSamples_ > 0 && (again_ || !samePicture(deliveredView_, *view_));
     delivery.finalDelivered = finalDelivered_ && deliveredSamples_ >= delivery.targetSamples;
@@ -81,7 +93,8 @@ FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
     frame.view = *view_;
     frame.generation = film_->generation();
     frame.samples = samples_;
-    frame.final = samples_ >= view_->settings.samples && !path;
+    frame.errorReached = errorReached() && samples_ < view_->settings.samples;
+    frame.final = samples_ >= targetSamples() && !path;
     frame.path = path;
     frame.sceneExposure = scene.exposure;
     frame.forecast = forecastError(errors_, [edges = edgeShare_](double n) { return std::sqrt(errorDecay(n, edges)); });

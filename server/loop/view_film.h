@@ -46,6 +46,10 @@ public:
     std::shared_ptr<Film> extra(uvec2 resolution) { return films_.extra(resolution, ++generation_); }
 
 private:
+    /// Whether its viewer wants it no better: the estimated error is as small as asked for.
+    bool errorReached() const;
+    /// Samples after which it is finished.
+    uint32_t targetSamples() const;
     /// Asks the film for its error, seldom enough to cost nothing.
     void noteError();
 

@@ -43,7 +43,8 @@ uint32_t micros(double seconds) { return static_cast<uint32_t>(std::clamp(second
 void describe(const FinishedFrame& frame, FrameHeader& header) {
     header.kind = frame.picture ? FrameKind::picture : FrameKind::frame;
     header.flags = static_cast<uint8_t>((header.flags & FRAME_KEY) | (frame.view.moving ? FRAME_MOVING : 0) |
-                                        (frame.final ? FRAME_FINAL : 0) | (frame.path ? FRAME_PATH : 0));
+                                        (frame.final ? FRAME_FINAL : 0) | (frame.errorReached ? FRAME_ERROR_REACHED : 0) |
+                                        (frame.path ? FRAME_PATH : 0));
     header.inputId = frame.view.inputId;
     header.generation = frame.generation;
     header.size = frame.size;

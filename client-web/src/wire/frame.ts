@@ -28,7 +28,8 @@ export interface Frame {
   readonly place: Place | null; // of a part: `width` and `height` are the whole picture's
   readonly codec: Codec;
   readonly moving: boolean;
-  readonly final: boolean; // the sample target is reached
+  readonly final: boolean; // the sample target or the error target is reached
+  readonly errorReached: boolean; // the error target, with fewer samples
   readonly path: boolean; // a frame of the benchmark path
   readonly key: boolean; // of a video: needs no picture before it
   readonly exact: boolean; // no code of a pixel differs from the server's picture
@@ -97,6 +98,7 @@ export function parseFrame(buffer: ArrayBuffer, kinds: readonly DeviceKind[]): F
     codec,
     moving: (flags & 1) !== 0,
     final: (flags & 2) !== 0,
+    errorReached: (flags & 16) !== 0,
     path: (flags & 4) !== 0,
     key: (flags & 8) !== 0,
     exact: false, // a part is, but no picture

@@ -56,6 +56,7 @@ test('parseFrame: reads every field', () => {
     codec: 'jpeg',
     moving: true,
     final: false,
+    errorReached: false,
     path: true,
     key: false,
     exact: false,

@@ -67,10 +67,14 @@ int runBenchForecast(const BenchForecastOptions& options, std::ostream& out) {
             device->load(scene, given.settings, bar.progress());
             for (const NamedView& view : viewsOf(*scene, static_cast<size_t>(options.views), given)) {
                 const FrameRequest request = frameRequest(*scene, view.camera, given.settings, resolution, 1);
-                const double white = Film::WHITE * std::exp2(-(scene->exposure + given.settings.exposure));
-                checked.push_back({scene->name, view.name,
-                                   checkForecast(*device, request, white, static_cast<uint32_t>(options.samples),
-                                                 static_cast<uint32_t>(options.reference), bar.progress())});
+                ForecastBounds bounds;
+                bounds.white = Film::WHITE * std::exp2(-(scene->exposure + given.settings.exposure));
+                bounds.samples = static_cast<uint32_t>(options.samples);
+                bounds.referenceSamples = static_cast<uint32_t>(options.reference);
+                bounds.target = given.settings.errorTarget / 100.0;
+                checked.push_back(checkForecast(*device, request, bounds, bar.progress()));
+                checked.back().scene = scene->name;
+                checked.back().view = view.name;
             }
         }
     }
@@ -100,9 +104,10 @@ void addBenchForecast(CLI::App& bench, std::function<int()>& run) {
     addJsonOption(*command, *options);
     command->footer(
         "Errors are of the pixels' luminance, root mean square over the picture as a share of its mean: as the page shows\n"
-        "them. Each view is rendered as for a viewer, and once more with far more samples of other noise.\n"
+        "them. Each view is rendered as for a viewer, and once more with far more samples of other noise. With errorTarget\n"
+        "also where a viewer's picture would end.\n"
         "Examples:\n"
-        "  heliograph bench forecast courtyard\n"
+        "  heliograph bench forecast courtyard --set errorTarget=2\n"
         "  heliograph bench forecast courtyard model.glb --views 4 --set ambientOcclusion=on --json");
     command->callback([&run, options] { run = [options] { return runBenchForecast(*options, std::cout); }; });
 }

@@ -140,30 +140,34 @@ struct Summary {
 
 }  // namespace
 
-std::vector<ForecastRow> checkForecast(Renderer& renderer, const FrameRequest& request, double white, uint32_t samples,
-                                       uint32_t referenceSamples, const Progress& progress) {
+ForecastView checkForecast(Renderer& renderer, const FrameRequest& request, const ForecastBounds& bounds,
+                           const Progress& progress) {
+    constexpr uint32_t LEAST_TO_STOP = 4;  // samples
+    const double all = bounds.samples + bounds.referenceSamples;
     Reference reference(request);
-    while (reference.samples() < referenceSamples) {
+    while (reference.samples() < bounds.referenceSamples) {
         reference.addRun(renderer);
-        report(progress, "reference", static_cast<double>(reference.samples()) / (referenceSamples + samples));
+        report(progress, "reference", reference.samples() / all);
     }
-    const Truth truth(reference, white);
-    CheckedFilm film(renderer, request, white);
+    const Truth truth(reference, bounds.white);
+    CheckedFilm film(renderer, request, bounds.white);
     std::vector<ErrorPoint> history;
     ErrorLaw law;
-    std::vector<ForecastRow> rows;
-    while (film.samples() < samples) {
+    ForecastView view;
+    while (film.samples() < bounds.samples) {
         film.addSample();
+        const double error = film.relativeError();
+        if (!view.stopped && film.samples() >= LEAST_TO_STOP && error <= bounds.target) view.stopped = film.row(truth);
         if (film.samples() <= FORETOLD_FROM) {
-            history.push_back({film.samples(), 0.0, film.relativeError()});
+            history.push_back({film.samples(), 0.0, error});
             law = [edges = film.edgeShare()](double n) { return std::sqrt(errorDecay(n, edges)); };
         }
         if (film.samples() < 2 || !std::has_single_bit(film.samples())) continue;
-        rows.push_back(film.row(truth));
-        rows.back().foretold = forecastError(history, law).errorAt(film.samples());
-        report(progress, "picture", static_cast<double>(referenceSamples + film.samples()) / (referenceSamples + samples));
+        view.rows.push_back(film.row(truth));
+        view.rows.back().foretold = forecastError(history, law).errorAt(film.samples());
+        report(progress, "picture", (bounds.referenceSamples + film.samples()) / all);
     }
-    return rows;
+    return view;
 }
 
 nlohmann::ordered_json toJson(const std::vector<ForecastView>& views) {
@@ -181,7 +185,13 @@ nlohmann::ordered_json toJson(const std::vector<ForecastView>& views) {
                             {"edge_share", row.edgeShare},
                             {"counts", row.counts()}});
         }
-        json["views"].push_back({{"scene", view.scene}, {"view", view.view}, {"rows", rows}});
+        nlohmann::ordered_json stopped;
+        if (view.stopped) {
+            stopped = {{"samples", view.stopped->samples},
+                       {"estimated", view.stopped->estimated},
+                       {"measured", view.stopped->measured}};
+        }
+        json["views"].push_back({{"scene", view.scene}, {"view", view.view}, {"stopped", stopped}, {"rows", rows}});
     }
     const Summary summary(views);
     json["least_ratio"] = LEAST_RATIO;
@@ -208,6 +218,12 @@ std::string toTable(const std::vector<ForecastView>& views) {
                           row.independent / row.measured, row.edgeShare, row.counts() ? "" : "  (reference too coarse)");
             table += line;
         }
+    }
+    for (const ForecastView& view : views) {
+        if (!view.stopped) continue;
+        std::snprintf(line, sizeof line, "stopped after %u samples, estimated %.3f%%, measured %.3f%%: ", view.stopped->samples,
+                      100.0 * view.stopped->estimated, 100.0 * view.stopped->measured);
+        table += line + view.scene + ", " + view.view + "\n";
     }
     const Summary summary(views);
     auto add = [&](const char* what, const Within& within) {

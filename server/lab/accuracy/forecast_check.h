@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,17 +33,25 @@ struct ForecastRow {
 struct ForecastView {
     std::string scene, view;
     std::vector<ForecastRow> rows;
+    std::optional<ForecastRow> stopped;  // at the target, where it was reached
 };
 
 constexpr uint32_t FORETOLD_FROM = 16;  // samples
 constexpr double LEAST_RATIO = 0.7, MOST_RATIO = 1.4;
 
-/// Renders the view with 2, 4, 8 ... `samples` samples a pixel, and a reference of `referenceSamples`. The renderer holds the scene
-/// already; throws what it throws. `white`: as Film::setWhite.
-std::vector<ForecastRow> checkForecast(Renderer& renderer, const FrameRequest& request, double white, uint32_t samples,
-                                       uint32_t referenceSamples, const Progress& progress);
+struct ForecastBounds {
+    double white = 8.0;  // as Film::setWhite
+    uint32_t samples = 256;
+    uint32_t referenceSamples = 2048;
+    double target = 0.0;  // relative error at which a viewer's picture would end; 0: none
+};
 
-/// {views: [{scene, view, rows: [{samples, estimated, independent, foretold, measured, reference_error, edge_share, counts}]}],
+/// Renders the view with 2, 4, 8 ... samples a pixel, and a reference. The renderer holds the scene already; throws what it throws.
+/// Names of scene and view are left to the caller.
+ForecastView checkForecast(Renderer& renderer, const FrameRequest& request, const ForecastBounds& bounds,
+                           const Progress& progress);
+
+/// {views: [{scene, view, stopped (null: not at all), rows: [{samples, estimated, independent, foretold, measured, reference_error, edge_share, counts}]}],
 /// least_ratio, most_ratio, from_samples, rows, rows_within, share_within, foretold, foretold_within, foretold_share_within}: of
 /// the rows from `from_samples` on that count.
 nlohmann::ordered_json toJson(const std::vector<ForecastView>& views);

@@ -3,6 +3,7 @@
 #include "server/scene/scene.h"
 
 #include "tests/support/direct_renderer.h"
+#include "tests/support/random.h"
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -38,6 +39,12 @@ public:
             result.tile = tile;
             result.device = "embree";
             result.radianceSum.assign(static_cast<size_t>(tile.size.x) * tile.size.y, vec4(request.camera.position, 0.0f));
+            if (grainy) {
+                for (size_t i = 0; i < result.radianceSum.size(); i++) {
+                    const float grey = chance.word() & 1u ? 1.5f : 0.5f;
+                    result.radianceSum[i] = vec4(vec3(grey), grey * grey);
+                }
+            }
             result.rays[RayKind::primary] = result.radianceSum.size();
             sink(std::move(result));
         }
@@ -71,7 +78,8 @@ public:
     }
 
     std::atomic<int> inside{0}, calls{0};
-    std::atomic<bool> overlapped{false}, broken{false}, slow{false};
+    std::atomic<bool> overlapped{false}, broken{false}, slow{false}, grainy{false};
+    test::Random chance{3};
     std::mutex mutex;
     std::condition_variable_any changed;
     bool held = false, depthHeld = false;
@@ -196,6 +204,45 @@ TEST(FrameLoop, AccumulatesUpToTheTargetAndThenRests) {
     EXPECT_EQ(primary, 16u * 96 * 64);
     EXPECT_EQ(s.viewer.frames.back().figures.devices, 1u);
     for (const FinishedFrame& frame : s.viewer.frames) EXPECT_EQ(frame.generation, s.viewer.frames[0].generation);
+}
+
+// Not a ray past it; and on, where it is lowered.
+TEST(FrameLoop, StopsAtTheErrorTarget) {
+    Stage s;
+    s.device->grainy = true;
+    ViewRequest request = inputFrom(3, 4096);
+    request.settings.errorTarget = 5.0f;
+    s.loop.setScene(sceneOn(s.device), request);
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    const uint32_t samples = s.viewer.frames.back().samples;
+    EXPECT_TRUE(s.viewer.frames.back().errorReached);
+    EXPECT_GT(samples, 16u);
+    EXPECT_LT(samples, 200u) << "independent samples of deviation 0.5 take 100";
+    EXPECT_LE(s.viewer.frames.back().forecast.error, 0.05);
+    EXPECT_EQ(s.viewer.colors.back().w, static_cast<float>(samples));
+    request.inputId = 4;
+    request.settings.exposure = 1.0f;
+    s.loop.show(request);
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 4; }));
+    EXPECT_TRUE(s.viewer.frames.back().final);
+    EXPECT_EQ(s.viewer.frames.back().samples, samples) << "no sample was added meanwhile";
+    request.inputId = 5;
+    request.settings.errorTarget = 2.5f;
+    s.loop.show(request);
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 5 && s.viewer.frames.back().final; }));
+    EXPECT_GT(s.viewer.frames.back().samples, 2 * samples);
+    EXPECT_EQ(s.viewer.frames.back().generation, s.viewer.frames.front().generation) << "with the samples that there were";
+}
+
+TEST(FrameLoop, SamplesEndWhereTheErrorTargetIsFar) {
+    Stage s;
+    s.device->grainy = true;
+    ViewRequest request = inputFrom(3, 8);
+    request.settings.errorTarget = 0.5f;
+    s.loop.setScene(sceneOn(s.device), request);
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    EXPECT_EQ(s.viewer.frames.back().samples, 8u);
+    EXPECT_FALSE(s.viewer.frames.back().errorReached);
 }
 
 TEST(FrameLoop, ANewerInputOfTheSameViewIsToldWithoutANewFilm) {

@@ -173,7 +173,8 @@ export class StatsPanel {
     setText(this.samples_, lastFrame === null ? UNKNOWN : samplesText(samples, target) + wait);
     this.progress_.value = target > 0 ? Math.min(1, samples / target) : 0;
     const error = lastFrame?.relativeError ?? 1;
-    setText(this.error_, error >= 1 ? UNKNOWN : percent(error));
+    const reached = lastFrame?.errorReached === true ? ' · target reached' : '';
+    setText(this.error_, error >= 1 ? UNKNOWN : percent(error) + reached);
     const ahead = lastFrame?.moving === false ? forecastText(stats?.forecast ?? null, !lastFrame.final, target) : '';
     setText(this.forecast_, ahead);
     this.forecast_.hidden = ahead === '';
