@@ -11,6 +11,7 @@ import { HelpDialog } from './page/help.js';
 import { attachKeyboard, attachPointers } from './camera/input.js';
 import { Panel } from './panels/panel.js';
 import { PickView } from './panels/pick/pick_view.js';
+import { ErrorView, toggleErrors } from './panels/errors/error_view.js';
 import { PartitionView, togglePartition } from './panels/partition/partition_view.js';
 import { MIME_TYPES, type Frame } from './wire/frame.js';
 import { knowDevices } from './panels/device_colors.js';
@@ -168,6 +169,7 @@ function attachKeys(
     KeyV: () => viewer.frameAll(),
     KeyI: page.pick,
     KeyP: () => togglePartition(viewer),
+    KeyN: () => toggleErrors(viewer),
   });
 }
 
@@ -204,13 +206,15 @@ function start(): void {
   const dock = new Dock(viewer, { statistics, settings, effects }, hooks);
   const banner = new Banner(viewer, announce);
   const partition = new PartitionView(viewer, announce);
+  const errors = new ErrorView(viewer, announce);
   const compare = new Compare(canvas);
   const upload = new UploadView(viewer, announce);
   const pick = new PickView(viewer, announce, () => canvas.focus({ preventScroll: true }));
   page.append(
-    partition.overlay,
+    ...[partition.overlay, errors.overlay],
     compare.element,
     partition.card,
+    errors.card,
     pick.marks,
     pick.card,
     new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts, () => upload.choose())).element,

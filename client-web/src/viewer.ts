@@ -9,23 +9,15 @@ import { Frames } from './frames.js';
 import { EffectCostModel } from './panels/effects/effect_costs.js';
 import { pictureBox, placeInPicture } from './picture/picture_box.js';
 import { parseFrame, ProtocolError, type Frame } from './wire/frame.js';
-import {
-  parseMessage,
-  PROTOCOL,
-  type Hello,
-  type PathResult,
-  type SceneMessage,
-  type SceneReady,
-  type ServerMessage,
-  type SettingValue,
-  type SettingValues,
-} from './wire/protocol.js';
+import { parseMessage, PROTOCOL, type Hello, type PathResult } from './wire/protocol.js';
+import type { SceneMessage, SceneReady, ServerMessage, SettingValue, SettingValues } from './wire/protocol.js';
 import { Restoring } from './reconnect.js';
 import { onPixelRatio } from './picture/pixel_ratio.js';
 import { pictureSize, type ResolutionMode } from './picture/resolution.js';
 import { SettingsModel } from './panels/settings/settings_model.js';
 import { PickModel } from './panels/pick/pick_model.js';
 import { UndoStack } from './panels/settings/undo.js';
+import { ShownErrors } from './panels/errors/shown_errors.js';
 import { ShownPartition } from './panels/partition/shown_partition.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat, ViewerMessage } from './wire/viewer_message.js';
@@ -45,6 +37,10 @@ export class Viewer {
   readonly partition = new ShownPartition(
     () => this.settings.value('showPartition') === true,
     () => this.emit('partition'),
+  );
+  readonly errors = new ShownErrors(
+    () => this.settings.value('showError') === true,
+    () => this.emit('errors'),
   );
   readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
   readonly pick = new PickModel(
@@ -87,7 +83,7 @@ export class Viewer {
         this.onMessage({ kind: 'error', text: `Frame ${frameId} could not be decoded (${codec}).` }),
     });
     this.display_ = new Display(canvas_, {
-      drawn: (frame) => this.partition.drawn(frame),
+      drawn: (frame) => [this.partition, this.errors].forEach((shown) => shown.drawn(frame)),
       presented: (presentation) => {
         this.frames_.presented(presentation);
         this.emit('frame');
@@ -298,6 +294,8 @@ export class Viewer {
         return this.effectCosts.answered(message, this.state.readyName);
       case 'picked':
         return this.pick.answered(message);
+      case 'errors':
+        return this.errors.received(message);
       case 'partition':
         return this.partition.received(message);
       case 'watching':

@@ -14,6 +14,7 @@ export type Topic =
   | 'path'
   | 'frame'
   | 'partition'
+  | 'errors'
   | 'effectCosts'
   | 'camera'
   | 'pick'

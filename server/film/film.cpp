@@ -244,8 +244,8 @@ void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
     }
 }
 
-Film::Judged Film::judged(std::optional<double> edges) const {
-    Judged judged;
+template <typename Visit>
+void Film::forJudged(std::optional<double> edges, Visit visit) const {
     uint32_t samples = 0;
     double decay = 1.0;
     for (uint32_t y = 0; y < resolution_.y; y++) {
@@ -255,11 +255,22 @@ Film::Judged Film::judged(std::optional<double> edges) const {
             samples = block.samples;
             const glm::dvec4 sum = sumOf(block, static_cast<size_t>(y) * resolution_.x + x);
             const double mean = luminance(sum) / samples;
-            judged.means += std::min(mean, white_);
-            judged.squares.push_back(std::max(0.0, sum.w - mean * mean * samples) / (samples - 1.0) * decay);
+            visit(x, y, std::min(mean, white_), std::max(0.0, sum.w - mean * mean * samples) / (samples - 1.0) * decay);
         }
     }
+}
+
+Film::Judged Film::judged(std::optional<double> edges) const {
+    Judged judged;
+    forJudged(edges, [&](uint32_t, uint32_t, double mean, double square) {
+        judged.means += mean;
+        judged.squares.push_back(square);
+    });
     return judged;
+}
+
+bool Film::anyBelow(uint32_t samples) const {
+    return blocks_.empty() || std::ranges::any_of(blocks_, [&](const Block& block) { return block.samples < samples; });
 }
 
 double Film::Judged::meanSquare() {
@@ -301,12 +312,37 @@ double Film::edgeShare() const {
 
 double Film::relativeError() const {
     Reading reading(*this);
-    if (blocks_.empty() || std::ranges::any_of(blocks_, [](const Block& block) { return block.samples < 2; })) return 1.0;
+    if (anyBelow(2)) return 1.0;
     Judged errors = judged(measuredEdgeShare());
     const double square = errors.meanSquare();
     // A black picture without variance is exact.
     if (!(errors.means > 0.0)) return square > 0.0 ? 1.0 : 0.0;
     return std::min(1.0, std::sqrt(square) * static_cast<double>(errors.squares.size()) / errors.means);
+}
+
+std::optional<ErrorMap> Film::errorMap(uvec2 cellSize) const {
+    Reading reading(*this);
+    if (anyBelow(2)) return std::nullopt;
+    const uvec2 cells = (resolution_ + cellSize - 1u) / cellSize;
+    std::vector<double> squares(static_cast<size_t>(cells.x) * cells.y, 0.0);
+    std::vector<uint32_t> counts(squares.size(), 0);
+    double means = 0.0;
+    uint64_t pixels = 0;
+    forJudged(measuredEdgeShare(), [&](uint32_t x, uint32_t y, double mean, double square) {
+        const size_t cell = static_cast<size_t>(y / cellSize.y) * cells.x + x / cellSize.x;
+        squares[cell] += square;
+        counts[cell]++;
+        means += mean;
+        pixels++;
+    });
+    if (!(means > 0.0)) return std::nullopt;  // black: there is nothing to take shares of
+    const double mean = means / static_cast<double>(pixels);
+    ErrorMap map{resolution_, cellSize, {}};
+    map.cells.reserve(squares.size());
+    for (size_t i = 0; i < squares.size(); i++) {
+        map.cells.push_back(counts[i] > 0 ? static_cast<float>(std::sqrt(squares[i] / counts[i]) / mean) : -1.0f);
+    }
+    return map;
 }
 
 std::vector<float> Film::cellErrors(uvec2 cellSize) const {

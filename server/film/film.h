@@ -12,6 +12,13 @@
 
 namespace heliograph {
 
+/// Where in a picture the error is.
+struct ErrorMap {
+    uvec2 resolution{0, 0}, cellSize{0, 0};  // pixels
+    /// By cell, row-major: root mean square over its judged pixels as a share of the whole picture's mean; below 0: not known.
+    std::vector<float> cells;
+};
+
 class Film {
 public:
     /// Side of the squares of pixels whose progress is tracked; those at the right and lower border are cut by it. A tile
@@ -52,6 +59,8 @@ public:
     /// is worst; white at most) as a share of the picture's mean luminance, at most 1; 1 while a pixel has fewer than 2 samples.
     /// Of every 16th pixel: the variance of its samples, less as the points that they are taken at cancel (error_model.h).
     double relativeError() const;
+    /// The same for each cell of `cellSize` pixels, with the worst pixels; nothing where `relativeError` is 1 for want of samples.
+    std::optional<ErrorMap> errorMap(uvec2 cellSize) const;
     /// Share of the variance that edges through pixels have, as measured on this picture.
     double edgeShare() const;
     /// How noisy each cell of `cellSize` pixels is, row-major: the standard error of its pixels' luminance as seen (that of the
@@ -113,6 +122,10 @@ private:
     };
     /// With variances as they are (no share), or the squared errors that follow with this share of edges. Needs 2 samples.
     Judged judged(std::optional<double> edges) const;
+    /// Calls visit(x, y, mean, square) for each judged pixel, in that sense.
+    template <typename Visit>
+    void forJudged(std::optional<double> edges, Visit visit) const;
+    bool anyBelow(uint32_t samples) const;
     double measuredEdgeShare() const;
     glm::dvec4 sumOf(const Block& block, size_t pixel) const;
     /// Mean radiance and samples of one row of a block, from `pixel` on.

@@ -207,6 +207,20 @@ std::string statsMessage(const ViewerStats& s) {
     return text(message);
 }
 
+std::string errorsMessage(uint32_t frameId, const ErrorMap& errors) {
+    json cells = json::array();
+    for (float error : errors.cells) {
+        cells.push_back(error < 0.0f ? json() : json(std::lround(1e4 * std::min(finite(static_cast<double>(error)), 100.0))));
+    }
+    return text({{"type", "errors"},
+                 {"frameId", frameId},
+                 {"width", errors.resolution.x},
+                 {"height", errors.resolution.y},
+                 {"cellWidth", errors.cellSize.x},
+                 {"cellHeight", errors.cellSize.y},
+                 {"cells", cells}});
+}
+
 std::string partitionMessage(uint32_t frameId, const Partition& p, const ScheduleReport& schedule) {
     constexpr char DIGITS[] = "0123456789abcdefghijklmnopqrstuvwxyz";
     std::string cells;

@@ -7,6 +7,7 @@
 #include "server/net/protocol.h"
 #include "server/loop/effect_meter.h"
 #include "server/loop/view_pace.h"
+#include "server/film/film.h"
 #include "server/film/partition.h"
 #include "server/pace/error_forecast.h"
 #include "server/schedule/schedule_report.h"
@@ -68,6 +69,7 @@ std::string sceneFailedMessage(const std::string& name, const std::string& why);
 std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);
 std::string statsMessage(const ViewerStats& stats);
 /// Who made which part of a frame.
+std::string errorsMessage(uint32_t frameId, const ErrorMap& errors);
 std::string partitionMessage(uint32_t frameId, const Partition& partition, const ScheduleReport& schedule);
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result);
 std::string effectCostsMeasuringMessage(double share);

@@ -51,6 +51,7 @@ struct EncodedFrame {
     std::optional<PictureOrder> order;  // of a picture
     uint32_t targetSamples = 0;
     ErrorForecast forecast;
+    std::optional<ErrorMap> errors;             // where it is asked for
     double coreSeconds = 0.0;                   // processor time of developing and encoding
     bool shared = false;                        // another viewer's thread has made it
     std::shared_ptr<const StillPicture> still;  // where it was to be kept

@@ -191,6 +191,7 @@ void Viewer::send(EncodedFrame&& frame) {
         metrics_.framesSent++;
         metrics_.frameBytesSent += frame.picture.bytes.size() - SOCKET_HEADROOM;
         metrics_.stages[Metrics::input].add(1e-6 * frame.header.inputMicros);
+        if (frame.errors) socket_->sendText(errorsMessage(frame.header.frameId, *frame.errors));
         if (frame.figures.partition)
             socket_->sendText(partitionMessage(frame.header.frameId, *frame.figures.partition, frame.figures.schedule));
     }

@@ -77,6 +77,7 @@ SETTING_K_FLOAT(contributionThreshold, renderer, film, 0.004f, 0.0f, 0.5f, "", "
 SETTING_FLOAT(exposure, picture, display, 0.0f, -10.0f, 10.0f, "EV", "Exposure", "", "", "Brightness of the picture in stops; +1 doubles it.")
 SETTING_CHOICE(toneCurve, picture, display, 0, "filmic|linear", "Tone curve", "", "", "filmic rolls highlights off softly; linear clips at white.")
 SETTING_BOOL(adaptiveQuality, picture, display, true, "Adaptive quality", "", "off", "Where pictures queue up on the line, JPEG quality and size go down, and up again when it is free. Off sends every picture as set.")
+SETTING_BOOL(showError, picture, display, false, "Show error", "", "", "Tints the picture by the error that each part of it is estimated to have, from two samples on.")
 SETTING_CHOICE(codec, picture, display, 0, "automatic|jpeg|vp9", "Codec", "", "", "How pictures are coded while they change. vp9 is a video: a quarter of the bytes and less, for more work here and there. automatic takes it where the line is too slow for jpeg and the browser can show it.")
 SETTING_BOOL(exactAtRest, picture, display, true, "Exact at rest", "", "on", "When all samples are there, the picture is sent once more without loss: the same bytes as on the server.")
 SETTING_BOOL(cameraPath, picture, command, false, "Camera path", "", "", "Fly along the scene's camera path.")

@@ -255,8 +255,18 @@ class FakeViewer {
     this.socket.send(this.header(2, { png: 1, exr: 2, jpg: 0 }[format], width, height, payload));
   }
 
+  error() {
+    return 0.12 / Math.sqrt(Math.max(1, this.samples));
+  }
+
+  /** All samples are there, or the picture's error is as small as asked for. */
+  finished() {
+    const { samples, errorTarget } = this.settings;
+    return this.samples >= samples || (this.samples >= 4 && 100 * this.error() <= errorTarget);
+  }
+
   frame() {
-    if (this.size === null || this.scene === null || this.unacked.size >= 2 || this.samples >= this.settings.samples)
+    if (this.size === null || this.scene === null || this.unacked.size >= 2 || this.finished())
       return;
     if (this.path !== null) {
       const angle = (Date.now() - this.path.since) / 1500;
@@ -281,7 +291,17 @@ class FakeViewer {
     const [workers, batches] = this.scene === 'courtyard' ? [48, 200] : [6, 5];
     if (this.settings.showPartition && control.partition === 'on')
       this.say(partition(this.frameId, width, height, workers, batches));
+    if (this.settings.showError && this.samples > 1) this.errors(width, height);
     this.socket.send(this.header(1, 1, width, height, payload));
+  }
+
+  /** More from left to right, up to three times the picture's. */
+  errors(width, height) {
+    const [columns, rows] = [Math.ceil(width / 32), Math.ceil(height / 32)];
+    const cells = Array.from({ length: columns * rows }, (_, i) =>
+      i === 0 ? null : Math.round((3e4 * this.error() * (i % columns)) / columns),
+    );
+    this.say({ type: 'errors', frameId: this.frameId, width, height, cellWidth: 32, cellHeight: 32, cells });
   }
 
   header(kind, codec, width, height, payload) {
@@ -289,11 +309,12 @@ class FakeViewer {
     header.write('HG', 'latin1');
     header.set([kind, codec], 2);
     header.writeUInt16LE(64, 4);
-    header.set([(this.moving ? 1 : 0) | (this.samples >= this.settings.samples ? 2 : 0), this.settings.jpegQuality], 6);
+    const ended = this.finished() ? (this.samples < this.settings.samples ? 18 : 2) : 0;
+    header.set([(this.moving ? 1 : 0) | ended, this.settings.jpegQuality], 6);
     [this.frameId, this.inputId, this.generation].forEach((value, i) => header.writeUInt32LE(value, 8 + 4 * i));
     [width, height, this.size.width, this.size.height].forEach((value, i) => header.writeUInt16LE(value, 20 + 2 * i));
     header.writeUInt32LE(this.samples, 28);
-    header.writeFloatLE(0.12 / Math.sqrt(Math.max(1, this.samples)), 32);
+    header.writeFloatLE(this.error(), 32);
     [21400, 1900, 3100, 800, 400].forEach((value, i) => header.writeUInt32LE(value, 36 + 4 * i));
     header.writeUInt32LE(payload.length, 56);
     header.writeUInt32LE(1, 60);

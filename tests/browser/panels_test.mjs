@@ -19,6 +19,47 @@ async function forecast(checks, session) {
   });
 }
 
+async function errorTarget(checks, session) {
+  await checks.check('at the error target the picture ends, and the statistics say so', async () => {
+    const field = session.field('errorTarget').locator('.number-field');
+    await field.fill('4');
+    await field.press('Enter');
+    await session.page.locator('canvas').first().focus();
+    await session.page.keyboard.press('KeyW'); // moves a little: another picture
+    const line = () => session.page.locator('#statistics-panel .line', { hasText: 'Relative error' }).textContent();
+    await until('reached', 8000, async () => /Relative error3\.0 % · target reached$/.test(await line()));
+    const { lastFrame } = await session.state();
+    expect(lastFrame.final && lastFrame.samples === 16, `${lastFrame.samples} samples, final ${lastFrame.final}`);
+    await field.fill('0');
+    await field.press('Enter');
+    await until('all samples', 8000, async () => !(await line()).includes('reached'));
+  });
+}
+
+async function errorMap(checks, session) {
+  const { page } = session;
+  const card = page.getByRole('region', { name: 'Error of each part of the picture' });
+  await checks.check('N shows where the error is, with a legend, and hides it', async () => {
+    await page.locator('body > canvas').focus();
+    await page.keyboard.press('KeyN');
+    await until('the card', 5000, () => card.isVisible());
+    expect((await session.state()).settings.showError === true, 'the setting is on');
+    expect((await session.field('showError').getByRole('switch').getAttribute('aria-checked')) !== 'false', 'so is its switch');
+    const rows = await card.locator('li').allTextContents();
+    const shares = rows.map((row) => Number(row.match(/([\d.]+) %$/)[1]));
+    expect(rows.length === 6 && rows[1].startsWith('0.5 % to 1 %'), rows.join(', '));
+    expect(Math.abs(shares.reduce((sum, share) => sum + share, 0) - 100) < 2, `shares: ${shares.join(', ')}`);
+    const tinted = await page.locator('.partition-overlay:not([hidden])').evaluate((canvas) => {
+      const pixels = canvas.getContext('2d').getImageData(0, canvas.height / 2, canvas.width, 1).data;
+      return pixels.filter((value, i) => i % 4 === 3 && value > 100).length / canvas.width;
+    });
+    expect(tinted > 0.9, `${tinted} of the middle row is tinted`);
+    await session.screenshot('error-map');
+    await page.keyboard.press('KeyN');
+    await until('no card', 5000, async () => !(await card.isVisible()));
+  });
+}
+
 async function numbers(checks, session) {
   const { page } = session;
   const field = session.field('exposure').locator('.number-field');
@@ -216,6 +257,8 @@ export async function panelChecks(checks) {
     if (!(await checks.check('the page is ready for panels', () => session.start(DESKTOP, {}, set)))) return;
     await words(checks, session);
     await forecast(checks, session);
+    await errorTarget(checks, session);
+    await errorMap(checks, session);
     await numbers(checks, session);
     await keyboard(checks, session);
     await searching(checks, session);

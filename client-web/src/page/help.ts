@@ -44,6 +44,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
       [['Esc'], 'back to the picture'],
       [['I'], 'what is in the middle of the picture'],
       [['P'], 'show which device made which part'],
+      [['N'], 'show where the picture still has how much error'],
       [['F1'], 'hide or show the panels'],
       [['F2'], 'start or stop the benchmark path'],
       [['F3'], 'save a PNG of the picture'],

@@ -6,6 +6,7 @@ import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, t
 import { ProtocolError } from './frame.js';
 import { cameraOf, vectorOf } from './camera_fields.js';
 import { effectCostsOf, type EffectCostsMessage } from './effect_costs_message.js';
+import { errorMapOf, type ErrorMap } from './errors_message.js';
 import { partitionOf, type Partition } from './partition_message.js';
 import { pickedOf, type PickedMessage } from './picked_message.js';
 import { watchingOf, type WatchingMessage } from './watching_message.js';
@@ -181,6 +182,7 @@ export type ServerMessage =
   | SceneMessage
   | Stats
   | Partition
+  | ErrorMap
   | EffectCostsMessage
   | PickedMessage
   | WatchingMessage
@@ -423,6 +425,8 @@ export function parseMessage(text: string): ServerMessage | null {
       return effectCostsOf(fields);
     case 'picked':
       return pickedOf(fields);
+    case 'errors':
+      return errorMapOf(fields);
     case 'partition':
       return partitionOf(fields);
     case 'settings':

@@ -207,6 +207,27 @@ TEST(Film, MeansThatDoublingsMoveTellWhatTheVarianceComesFrom) {
     EXPECT_NEAR(random.relativeError() * std::sqrt(256.0) / 0.5, 0.75, 0.1);
 }
 
+// One quarter is grainy: its error is twice the picture's, in which it is one of four.
+TEST(Film, ErrorsAreToldByCell) {
+    Film film;
+    film.reset(uvec2(64, 64), 1);
+    EXPECT_FALSE(film.errorMap(uvec2(32)));
+    for (uint32_t sample = 0; sample < 2; sample++) {
+        const float value = sample == 0 ? 0.5f : 1.5f;
+        for (const Tile& tile : film.tilesFor(sample, 1, uvec2(32))) {
+            const bool grainy = tile.origin == uvec2(32, 0);
+            ASSERT_TRUE(film.add(resultFor(tile, grainy ? vec4(vec3(value), value * value) : vec4(1))));
+        }
+    }
+    const std::optional<ErrorMap> map = film.errorMap(uvec2(32));
+    ASSERT_TRUE(map);
+    EXPECT_EQ(map->resolution, uvec2(64));
+    ASSERT_EQ(map->cells.size(), 4u);
+    EXPECT_NEAR(map->cells[1] / film.relativeError(), 2.0, 1e-6);
+    for (size_t other : {0u, 2u, 3u}) EXPECT_EQ(map->cells[other], 0.0f);
+    EXPECT_EQ(film.errorMap(uvec2(48))->cells.size(), 4u);
+}
+
 TEST(Film, SamplesThatComeTogetherCountAsDoublingsWhereTheyAre) {
     Film one, many;
     one.reset(uvec2(64, 64), 1);

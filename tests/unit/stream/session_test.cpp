@@ -257,6 +257,13 @@ TEST(Session, HybridWantsADeviceThatIsSwitchedOn) {
     EXPECT_EQ(line.socket->last("settings")["values"]["device"], "hybrid");
 }
 
+TEST(Messages, ErrorsAreHundredthsOfAPercent) {
+    const auto message = nlohmann::json::parse(errorsMessage(7, {{40, 32}, {32, 32}, {0.01234f, -1.0f}}));
+    EXPECT_EQ(message["frameId"], 7);
+    EXPECT_EQ(message["width"], 40);
+    EXPECT_EQ(message["cells"], nlohmann::json::parse("[123, null]"));
+}
+
 TEST(Messages, StatisticsForetellTheError) {
     ViewerStats stats;
     EXPECT_TRUE(nlohmann::json::parse(statsMessage(stats))["forecast"].is_null());

@@ -77,17 +77,17 @@ export function describePartition(partition: Partition): string {
   return sentences.join(' ');
 }
 
-/** Partitions that wait for their frames. */
-export class PartitionStore {
-  private waiting_: readonly Partition[] = [];
+/** Partitions, or others that come before their frames, until those are there. */
+export class PartitionStore<T extends { readonly frameId: number } = Partition> {
+  private waiting_: readonly T[] = [];
 
-  put(partition: Partition): void {
+  put(partition: T): void {
     // No more frames than this are ever on their way; what is older has lost its frame.
     this.waiting_ = [...this.waiting_.filter((entry) => entry.frameId !== partition.frameId), partition].slice(-8);
   }
 
   /** The one that came with this frame, or null; it and all older ones are forgotten. */
-  take(frameId: number): Partition | null {
+  take(frameId: number): T | null {
     const found = this.waiting_.find((entry) => entry.frameId === frameId) ?? null;
     this.waiting_ = this.waiting_.filter((entry) => isNewer(entry.frameId, frameId));
     return found;
