@@ -120,7 +120,7 @@ void closestSingle(const TraceTarget& target, RTCRayHit16& packet, uint32_t coun
     for (uint32_t i = 0; i < count; i++) {
         RTCRayHit single;
         copyRay(single.ray, packet.ray, i);
-        single.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        single.hit.geomID = single.hit.primID = RTC_INVALID_GEOMETRY_ID;
         single.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
         if (valid[i]) rtcIntersect1(target.scene, &context.rtc, &single);
         packet.hit.geomID[i] = single.hit.geomID;

@@ -84,7 +84,9 @@ TEST(BenchAccuracy, GoesOnFromItsFile) {
     for (size_t i = 0; i < first["rows"].size(); i++) {
         EXPECT_EQ(second["rows"][i]["knob"], first["rows"][i]["knob"]);
         EXPECT_EQ(second["rows"][i]["repetitions"], first["rows"][i]["repetitions"]);
-        if (first["rows"][i]["knob"] != "jpegQuality") EXPECT_EQ(second["rows"][i]["rmse"], first["rows"][i]["rmse"]);
+        if (first["rows"][i]["knob"] != "jpegQuality") {
+            EXPECT_EQ(second["rows"][i]["rmse"], first["rows"][i]["rmse"]);
+        }
     }
     const Outcome other = accuracy({"--resume", file, "--set", "samples=3"});
     EXPECT_EQ(other.code, 2);
