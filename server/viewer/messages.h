@@ -68,8 +68,9 @@ std::string sceneFailedMessage(const std::string& name, const std::string& why);
 /// `inputId` names the message that this answers, if any.
 std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);
 std::string statsMessage(const ViewerStats& stats);
-/// Who made which part of a frame.
+/// Where in a frame the error is.
 std::string errorsMessage(uint32_t frameId, const ErrorMap& errors);
+/// Who made which part of a frame.
 std::string partitionMessage(uint32_t frameId, const Partition& partition, const ScheduleReport& schedule);
 std::string pathMessage(bool playing, const std::optional<FrameSummary>& result);
 std::string effectCostsMeasuringMessage(double share);
