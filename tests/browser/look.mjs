@@ -38,7 +38,7 @@ export const badControls = (page) =>
 /** Pairs of bars, panels and cards that cover each other. */
 export const overlaps = (page) =>
   page.evaluate(() => {
-    const boxes = [...document.querySelectorAll('.bar, .panel, .partition-card')]
+    const boxes = [...document.querySelectorAll('.bar, .panel, .map-card')]
       .map((element) => ({ name: element.id || element.className, box: element.getBoundingClientRect() }))
       .filter(({ box }) => box.width > 0);
     const found = [];

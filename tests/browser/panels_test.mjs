@@ -49,7 +49,7 @@ async function errorMap(checks, session) {
     const shares = rows.map((row) => Number(row.match(/([\d.]+) %$/)[1]));
     expect(rows.length === 6 && rows[1].startsWith('0.5 % to 1 %'), rows.join(', '));
     expect(Math.abs(shares.reduce((sum, share) => sum + share, 0) - 100) < 2, `shares: ${shares.join(', ')}`);
-    const tinted = await page.locator('.partition-overlay:not([hidden])').evaluate((canvas) => {
+    const tinted = await page.locator('.error-overlay:not([hidden])').evaluate((canvas) => {
       const pixels = canvas.getContext('2d').getImageData(0, canvas.height / 2, canvas.width, 1).data;
       return pixels.filter((value, i) => i % 4 === 3 && value > 100).length / canvas.width;
     });

@@ -15,7 +15,7 @@ const WORDS_MS = 1000; // the summary for screen readers changes no faster
 
 export class ErrorView {
   /** Lies over the picture. */
-  readonly overlay = el('canvas', { class: 'partition-overlay', 'aria-hidden': 'true', hidden: true });
+  readonly overlay = el('canvas', { class: 'map-overlay error-overlay', 'aria-hidden': 'true', hidden: true });
   readonly card: HTMLElement;
   private readonly shares_ = LEVEL_NAMES.map(() => el('span', { class: 'figure' }));
   private readonly summary_ = el('p', { class: 'sr-only' });
@@ -32,7 +32,7 @@ export class ErrorView {
     });
     const legend = el('ul', { class: 'legend' }, ...rows);
     const label = 'Error of each part of the picture';
-    this.card = el('section', { class: 'partition-card error-card', 'aria-label': label, hidden: true }, legend, this.summary_);
+    this.card = el('section', { class: 'map-card error-card', 'aria-label': label, hidden: true }, legend, this.summary_);
     viewer_.on(['errors'], () => this.refresh());
     viewer_.on(['connection', 'scene'], () => viewer_.errors.forget());
     window.addEventListener('resize', () => this.refresh());

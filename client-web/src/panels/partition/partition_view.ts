@@ -17,7 +17,7 @@ const WORDS_MS = 1000; // the summary for screen readers changes no faster
 
 export class PartitionView {
   /** Lies over the picture. */
-  readonly overlay = el('canvas', { class: 'partition-overlay', 'aria-hidden': 'true', hidden: true });
+  readonly overlay = el('canvas', { class: 'map-overlay partition-overlay', 'aria-hidden': 'true', hidden: true });
   readonly card: HTMLElement;
   private readonly legend_ = el('ul', { class: 'legend' });
   private readonly summary_ = el('p', { class: 'sr-only' });
@@ -32,7 +32,7 @@ export class PartitionView {
   ) {
     this.card = el(
       'section',
-      { class: 'partition-card', 'aria-label': 'Who made the picture', hidden: true },
+      { class: 'map-card partition-card', 'aria-label': 'Who made the picture', hidden: true },
       this.legend_,
       this.timeline_.element,
       this.summary_,
