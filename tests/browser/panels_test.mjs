@@ -95,6 +95,18 @@ async function numbers(checks, session) {
     await until('the value of before', 5000, async () => (await session.state()).settings.exposure > 0.5);
     await page.getByRole('button', { name: 'Reset to defaults' }).click();
   });
+  await checks.check('what is being typed stays when settings come from the server', async () => {
+    const shown = (await session.state()).settings.showPartition;
+    const toggle = () => page.evaluate(() => document.querySelector('[data-setting="showPartition"] input').click());
+    await field.fill('0,7');
+    await toggle();
+    await until('the other setting', 5000, async () => (await session.state()).settings.showPartition === !shown);
+    expect((await field.inputValue()) === '0,7', `the field holds ${await field.inputValue()}`);
+    await field.press('Enter');
+    await is(0.7);
+    await toggle();
+    await until('it as before', 5000, async () => (await session.state()).settings.showPartition === shown);
+  });
   await checks.check('the reset of one field keeps the focus', async () => {
     await field.fill('1');
     await field.press('Enter');

@@ -150,19 +150,17 @@ export class SettingField {
   private buildNumber(id: string): Built {
     const row = this.row_;
     const unit = row.unit === '' ? '' : ` ${row.unit}`;
-    const number = el('input', {
-      type: 'text', // a number field of the browser reads 0,5 as 5
-      class: 'number-field',
-      role: 'spinbutton',
-      id,
-      'aria-valuemin': row.low,
-      'aria-valuemax': row.high,
-      inputmode: 'decimal',
-      autocomplete: 'off',
-    });
+    const number = numberInput(row, id);
     const slider = el('input', { type: 'range', min: 0, max: SLIDER_STEPS, step: 'any', 'aria-label': row.label });
     let value = typeof row.default === 'number' ? row.default : row.low;
+    let typing = false; // what comes from the server meanwhile does not take the text away
+    number.addEventListener('input', () => (typing = true));
+    number.addEventListener('blur', () => {
+      if (typing) number.value = settingNumber(value); // as it was: nothing has changed
+      typing = false;
+    });
     number.addEventListener('change', () => {
+      typing = false;
       const typed = parseNumber(number.value);
       if (typed === null) {
         number.value = settingNumber(value);
@@ -181,6 +179,7 @@ export class SettingField {
       const direction = keys[event.code];
       if (direction === undefined) return;
       event.preventDefault();
+      typing = false;
       this.hooks_.changed(stepped(row, value, Math.sign(direction), Math.abs(direction) > 1));
       number.value = settingNumber(value);
     };
@@ -189,7 +188,8 @@ export class SettingField {
     const show = (next: SettingValue): void => {
       if (typeof next !== 'number') return;
       value = next;
-      if (document.activeElement !== number || parseNumber(number.value) !== next) number.value = settingNumber(next);
+      const shown = document.activeElement === number && parseNumber(number.value) === next;
+      if (!typing && !shown) number.value = settingNumber(next);
       number.setAttribute('aria-valuenow', settingNumber(next));
       const position = toSlider(row, next);
       if (document.activeElement !== slider || Math.abs(slider.valueAsNumber - position) > 5)
@@ -200,6 +200,19 @@ export class SettingField {
     const below = el('div', { class: 'number' }, slider, number, el('span', { class: 'unit' }, row.unit));
     return { control: number, inline: [], below: [below], show };
   }
+}
+
+function numberInput(row: SettingRow, id: string): HTMLInputElement {
+  return el('input', {
+    type: 'text', // a number field of the browser reads 0,5 as 5
+    class: 'number-field',
+    role: 'spinbutton',
+    id,
+    'aria-valuemin': row.low,
+    'aria-valuemax': row.high,
+    inputmode: 'decimal',
+    autocomplete: 'off',
+  });
 }
 
 interface Built {
