@@ -17,8 +17,9 @@ import { pictureSize, type ResolutionMode } from './picture/resolution.js';
 import { SettingsModel } from './panels/settings/settings_model.js';
 import { PickModel } from './panels/pick/pick_model.js';
 import { UndoStack } from './panels/settings/undo.js';
-import { ShownErrors } from './panels/errors/shown_errors.js';
-import { ShownPartition } from './panels/partition/shown_partition.js';
+import { ShownMap } from './panels/shown_map.js';
+import type { ErrorMap } from './wire/errors_message.js';
+import type { Partition } from './wire/partition_message.js';
 import { initialState, type Message, type Topic, type ViewerState } from './viewer_state.js';
 import type { PictureFormat, ViewerMessage } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
@@ -34,11 +35,11 @@ export class Viewer {
   readonly state: ViewerState;
   readonly settings = new SettingsModel();
   readonly controller: CameraController;
-  readonly partition = new ShownPartition(
+  readonly partition = new ShownMap<Partition>(
     () => this.settings.value('showPartition') === true,
     () => this.emit('partition'),
   );
-  readonly errors = new ShownErrors(
+  readonly errors = new ShownMap<ErrorMap>(
     () => this.settings.value('showError') === true,
     () => this.emit('errors'),
   );

@@ -64,7 +64,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
               codec: frame.codec,
               devices: [...frame.devices],
             },
-      partition: shown === null ? null : { frameId: shown.partition.frameId, devices: [...shown.partition.devices] },
+      partition: shown === null ? null : { frameId: shown.map.frameId, devices: [...shown.map.devices] },
       lastInputId: state.lastInputId,
       framesPresented: state.framesPresented,
       framesDropped: state.framesDropped,

@@ -1,7 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { describeErrors, LEVEL_COLORS, LEVEL_NAMES, levelOf, levelShares } from '../../src/panels/errors/error_levels.js';
-import { ShownErrors } from '../../src/panels/errors/shown_errors.js';
 import type { ErrorMap } from '../../src/wire/errors_message.js';
 import { parseMessage } from '../../src/wire/protocol.js';
 
@@ -35,18 +34,4 @@ test('describeErrors: the middle one and the worst', () => {
   const words = 'Half of the picture has an error of at most 0.50 %, the worst part 50 %.';
   assert.equal(describeErrors(read({ cells: [0, 49, 50, 5000, 5000, null] })), words);
   assert.equal(describeErrors(read({ cells: [null, null, null, null, null, null] })), 'Nothing is known of the error yet.');
-});
-
-test('ShownErrors: with its frame alone, while it is wanted', () => {
-  let [wanted, changes] = [true, 0];
-  const errors = new ShownErrors(() => wanted, () => (changes += 1));
-  const map = read({ cells: [0, 0, 0, 0, 0, 0] });
-  errors.received(map);
-  errors.drawn({ frameId: 6, width: 70, height: 40 });
-  assert.equal(changes, 0);
-  errors.drawn({ frameId: 7, width: 70, height: 40 });
-  assert.equal(errors.shown?.map, map);
-  wanted = false;
-  errors.settingsChanged();
-  assert.deepEqual([errors.shown, changes], [null, 2]);
 });

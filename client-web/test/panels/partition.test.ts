@@ -2,11 +2,12 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { deviceColor, kindOf, knowDevices, rgbOf } from '../../src/panels/device_colors.js';
 import { ProtocolError } from '../../src/wire/frame.js';
-import { borderLines, describePartition, PartitionStore, pixelShares } from '../../src/panels/partition/partition.js';
+import { borderLines, describePartition, pixelShares } from '../../src/panels/partition/partition.js';
 import { NOBODY, type Partition, type Timeline, type Track } from '../../src/wire/partition_message.js';
 import { pictureBox, placeInPicture } from '../../src/picture/picture_box.js';
 import { parseMessage } from '../../src/wire/protocol.js';
-import { ShownPartition } from '../../src/panels/partition/shown_partition.js';
+import { MapStore } from '../../src/panels/map_store.js';
+import { ShownMap } from '../../src/panels/shown_map.js';
 import { busyBins, busyShare, describeAt, MOST_ROWS, timelineRows } from '../../src/panels/partition/timeline.js';
 
 /** 50 x 20 pixels in cells of 16 x 16: 4 columns, 2 rows, the last ones 2 and 4 pixels. */
@@ -114,8 +115,8 @@ test('borderLines: only between cells of different devices, joined, and no longe
   assert.deepEqual(borderLines(partition({ cells: '00001111' })), [{ x0: 0, y0: 16, x1: 50, y1: 16 }]);
 });
 
-test('PartitionStore: a partition goes with its frame only, older ones are forgotten', () => {
-  const store = new PartitionStore();
+test('MapStore: a partition goes with its frame only, older ones are forgotten', () => {
+  const store = new MapStore<Partition>();
   for (const frameId of [1, 2, 4]) store.put(partition({ frameId }));
   assert.equal(store.take(3), null);
   assert.equal(store.take(2), null);
@@ -126,8 +127,8 @@ test('PartitionStore: a partition goes with its frame only, older ones are forgo
   assert.equal(store.take(5), null);
 });
 
-test('PartitionStore: ids may wrap, and what waits has an end', () => {
-  const store = new PartitionStore();
+test('MapStore: ids may wrap, and what waits has an end', () => {
+  const store = new MapStore<Partition>();
   store.put(partition({ frameId: 0xffffffff }));
   store.put(partition({ frameId: 0 }));
   assert.equal(store.take(0xffffffff)?.frameId, 0xffffffff);
@@ -136,10 +137,10 @@ test('PartitionStore: ids may wrap, and what waits has an end', () => {
   assert.equal(store.take(50), null);
 });
 
-test('ShownPartition: goes with its picture, while it is wanted and nothing else is shown', () => {
+test('ShownMap: goes with its picture, while it is wanted and nothing else is shown', () => {
   let wanted = true;
   let changes = 0;
-  const model = new ShownPartition(
+  const model = new ShownMap<Partition>(
     () => wanted,
     () => (changes += 1),
   );
@@ -149,9 +150,9 @@ test('ShownPartition: goes with its picture, while it is wanted and nothing else
   model.received(partition({ frameId: 2 }));
   model.received(partition({ frameId: 3 }));
   draw(2);
-  assert.equal(model.shown?.partition.frameId, 2);
+  assert.equal(model.shown?.map.frameId, 2);
   model.settingsChanged();
-  assert.equal(model.shown?.partition.frameId, 2, 'it is still wanted');
+  assert.equal(model.shown?.map.frameId, 2, 'it is still wanted');
   wanted = false;
   model.settingsChanged();
   assert.deepEqual([model.shown, changes], [null, 2]);

@@ -7,7 +7,7 @@ import type { ErrorMap } from '../../wire/errors_message.js';
 import type { Viewer } from '../../viewer.js';
 import { rgbOf } from '../device_colors.js';
 import { describeErrors, LEVEL_COLORS, LEVEL_NAMES, levelOf, levelShares } from './error_levels.js';
-import type { ShownMap } from './shown_errors.js';
+import type { Shown } from '../shown_map.js';
 import './error_view.css';
 
 const TINT = 0.55;
@@ -62,7 +62,7 @@ export class ErrorView {
   }
 
   /** Cells at the right and lower edge reach beyond the picture and are cut off. */
-  private drawOverlay({ map, frame }: ShownMap): void {
+  private drawOverlay({ map, frame }: Shown<ErrorMap>): void {
     const ratio = window.devicePixelRatio;
     this.overlay.width = Math.round(window.innerWidth * ratio); // clears it
     this.overlay.height = Math.round(window.innerHeight * ratio);

@@ -2,7 +2,6 @@
 
 import { percent } from '../../page/format.js';
 import { NOBODY, type Partition } from '../../wire/partition_message.js';
-import { isNewer } from '../../picture/frame_queue.js';
 import { busyShare, timelineRows, type TimelineRow } from './timeline.js';
 
 /** Share of the picture's pixels, 0..1, of each device in their order, and of nobody as the last entry. */
@@ -75,25 +74,4 @@ export function describePartition(partition: Partition): string {
   });
   if (timeline !== null) sentences.unshift(`The frame took ${timeline.ms.toFixed(1)} ms.`);
   return sentences.join(' ');
-}
-
-/** Partitions, or others that come before their frames, until those are there. */
-export class PartitionStore<T extends { readonly frameId: number } = Partition> {
-  private waiting_: readonly T[] = [];
-
-  put(partition: T): void {
-    // No more frames than this are ever on their way; what is older has lost its frame.
-    this.waiting_ = [...this.waiting_.filter((entry) => entry.frameId !== partition.frameId), partition].slice(-8);
-  }
-
-  /** The one that came with this frame, or null; it and all older ones are forgotten. */
-  take(frameId: number): T | null {
-    const found = this.waiting_.find((entry) => entry.frameId === frameId) ?? null;
-    this.waiting_ = this.waiting_.filter((entry) => isNewer(entry.frameId, frameId));
-    return found;
-  }
-
-  clear(): void {
-    this.waiting_ = [];
-  }
 }

@@ -55,7 +55,7 @@ export class PartitionView {
       this.saidAt_ = -Infinity;
       return;
     }
-    const { partition, frame } = shown;
+    const { map: partition, frame } = shown;
     this.drawOverlay(partition, pictureBox(frame.width, frame.height, window.innerWidth, window.innerHeight));
     this.refreshLegend(partition);
     this.timeline_.show(partition.timeline);

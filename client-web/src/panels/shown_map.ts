@@ -1,35 +1,34 @@
-// Which map of the error lies over the picture at the moment: the one that came with it, while it is wanted.
+// Which map lies over the picture at the moment, as who made it or where its error is: the one that came with it, while it is wanted.
 
-import type { Frame } from '../../wire/frame.js';
-import type { ErrorMap } from '../../wire/errors_message.js';
-import { PartitionStore } from '../partition/partition.js';
+import type { Frame } from '../wire/frame.js';
+import { MapStore } from './map_store.js';
 
-export interface ShownMap {
-  readonly map: ErrorMap;
+export interface Shown<T> {
+  readonly map: T;
   readonly frame: Pick<Frame, 'frameId' | 'width' | 'height'>; // the picture it belongs to
 }
 
-export class ShownErrors {
-  private readonly waiting_ = new PartitionStore<ErrorMap>();
-  private shown_: ShownMap | null = null;
+export class ShownMap<T extends { readonly frameId: number }> {
+  private readonly waiting_ = new MapStore<T>();
+  private shown_: Shown<T> | null = null;
 
-  /** `changed` is called when another one or none is shown. */
+  /** `wanted`: whether the viewer wants to see such maps; `changed` is called when another one or none is shown. */
   constructor(
     private readonly wanted_: () => boolean,
     private readonly changed_: () => void,
   ) {}
 
   /** Null: nothing is to be shown. */
-  get shown(): ShownMap | null {
+  get shown(): Shown<T> | null {
     return this.shown_;
   }
 
-  received(map: ErrorMap): void {
+  received(map: T): void {
     this.waiting_.put(map);
   }
 
   /** A picture is put on the canvas. */
-  drawn(frame: ShownMap['frame']): void {
+  drawn(frame: Shown<T>['frame']): void {
     const map = this.waiting_.take(frame.frameId);
     this.show(map === null || !this.wanted_() ? null : { map, frame });
   }
@@ -45,7 +44,7 @@ export class ShownErrors {
     this.show(null);
   }
 
-  private show(shown: ShownMap | null): void {
+  private show(shown: Shown<T> | null): void {
     if (shown === null && this.shown_ === null) return;
     this.shown_ = shown;
     this.changed_();
