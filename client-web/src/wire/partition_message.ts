@@ -1,5 +1,6 @@
 // Who made which cell of a frame, and who worked when, as docs/reference/protocol.md tells it.
 
+import { cellGridOf, type CellGrid } from './cell_grid.js';
 import { fieldsOf, isObject, listOf, textOf, type Fields } from './fields.js';
 import { ProtocolError } from './frame.js';
 
@@ -23,17 +24,9 @@ export interface Timeline {
 /** In `owners`: no device. */
 export const NOBODY = 255;
 const MOST_DEVICES = 36; // one base-36 digit
-const LARGEST_SIDE = 65_535; // pixels, as a frame's header has them
 
-export interface Partition {
+export interface Partition extends CellGrid {
   readonly type: 'partition';
-  readonly frameId: number;
-  readonly width: number; // rendered pixels
-  readonly height: number;
-  readonly cellWidth: number; // pixels
-  readonly cellHeight: number;
-  readonly columns: number;
-  readonly rows: number;
   readonly devices: readonly string[];
   readonly owners: Uint8Array; // per cell, row by row: index into devices, or NOBODY
   readonly timeline: Timeline | null;
@@ -41,30 +34,16 @@ export interface Partition {
 
 /** Throws ProtocolError naming field, found value and what is allowed. */
 export function partitionOf(fields: Fields): Partition {
-  const whole = (name: string, low: number, high: number): number => {
-    const value = fields[name];
-    if (typeof value === 'number' && Number.isInteger(value) && value >= low && value <= high) return value;
-    throw new ProtocolError(`partition.${name}: ${JSON.stringify(value)}, allowed: ${low} to ${high}`);
-  };
-  const [width, height] = [whole('width', 1, LARGEST_SIDE), whole('height', 1, LARGEST_SIDE)];
-  const [cellWidth, cellHeight] = [whole('cellWidth', 1, LARGEST_SIDE), whole('cellHeight', 1, LARGEST_SIDE)];
-  const columns = Math.ceil(width / cellWidth);
-  const rows = Math.ceil(height / cellHeight);
+  const grid = cellGridOf('partition', fields);
   const devices = listOf(fields['devices']).map(String);
   if (devices.length > MOST_DEVICES) {
     throw new ProtocolError(`partition.devices: ${devices.length}, allowed: at most ${MOST_DEVICES}`);
   }
   return {
     type: 'partition',
-    frameId: whole('frameId', 0, 0xffffffff),
-    width,
-    height,
-    cellWidth,
-    cellHeight,
-    columns,
-    rows,
+    ...grid,
     devices,
-    owners: ownersOf(fields['cells'], columns * rows, devices.length),
+    owners: ownersOf(fields['cells'], grid.columns * grid.rows, devices.length),
     timeline: timelineOf(fields['timeline']),
   };
 }
