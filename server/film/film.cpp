@@ -192,13 +192,57 @@ std::vector<Tile> Film::tilesFor(uint32_t firstSample, uint32_t sampleCount, uve
     return tiles;
 }
 
+std::vector<Tile> Film::tilesFor(const std::vector<bool>& cells, uvec2 tileSize) const {
+    const std::vector<uint32_t> samples = cellSamples();
+    std::vector<Tile> tiles;
+    for (uint32_t cell = 0; cell < cells.size(); cell++) {
+        if (!cells[cell]) continue;
+        const uvec2 first = uvec2(cell % cellCount().x, cell / cellCount().x) * CELL_SIZE;
+        const uvec2 end = glm::min(first + CELL_SIZE, resolution_);
+        for (uint32_t y = first.y; y < end.y; y += tileSize.y) {
+            for (uint32_t x = first.x; x < end.x; x += tileSize.x) {
+                const uvec2 origin(x, y);
+                tiles.push_back({origin, glm::min(tileSize, end - origin), samples[cell], 1, generation_});
+            }
+        }
+    }
+    return lacking(tiles);
+}
+
+std::vector<uint32_t> Film::cellSamples() const {
+    constexpr uint32_t BLOCKS = CELL_SIZE / BLOCK;  // of a cell, in a row
+    Reading reading(*this);
+    std::vector<uint32_t> samples(static_cast<size_t>(cellCount().x) * cellCount().y, std::numeric_limits<uint32_t>::max());
+    for (size_t i = 0; i < blocks_.size(); i++) {
+        const size_t x = i % blockCount_.x / BLOCKS, y = i / blockCount_.x / BLOCKS;
+        uint32_t& least = samples[y * cellCount().x + x];
+        least = std::min(least, blocks_[i].samples);
+    }
+    return samples;
+}
+
 std::vector<Tile> Film::lacking(std::span<const Tile> tiles) const {
     Reading reading(*this);
     std::vector<Tile> left;
-    std::ranges::copy_if(tiles, std::back_inserter(left), [&](const Tile& tile) {
-        const uvec2 block = tile.origin / BLOCK;
-        return blocks_[static_cast<size_t>(block.y) * blockCount_.x + block.x].samples <= tile.firstSample;
-    });
+    for (const Tile& tile : tiles) {
+        const size_t before = left.size();
+        bool all = true;
+        for (uint32_t y = 0; y < tile.size.y; y += BLOCK) {
+            for (uint32_t x = 0; x < tile.size.x; x += BLOCK) {
+                const uvec2 offset(x, y), block = (tile.origin + offset) / BLOCK;
+                if (blocks_[static_cast<size_t>(block.y) * blockCount_.x + block.x].samples > tile.firstSample) {
+                    all = false;
+                    continue;
+                }
+                left.push_back(tile);
+                left.back().origin += offset;
+                left.back().size = glm::min(uvec2(BLOCK), tile.size - offset);
+            }
+        }
+        if (!all) continue;
+        left.resize(before);
+        left.push_back(tile);
+    }
     return left;
 }
 
@@ -207,6 +251,20 @@ uint32_t Film::completedSamples() const {
     uint32_t least = std::numeric_limits<uint32_t>::max();
     for (const Block& block : blocks_) least = std::min(least, block.samples);
     return blocks_.empty() ? 0 : least;
+}
+
+uint32_t Film::meanSamples() const {
+    Reading reading(*this);
+    uint64_t sum = 0;
+    for (const Block& block : blocks_) sum += block.samples;
+    return blocks_.empty() ? 0 : static_cast<uint32_t>(sum / blocks_.size());
+}
+
+uint32_t Film::mostSamples() const {
+    Reading reading(*this);
+    uint32_t most = 0;
+    for (const Block& block : blocks_) most = std::max(most, block.samples);
+    return most;
 }
 
 void Film::develop(std::vector<vec4>& pixels) const {
@@ -280,27 +338,44 @@ double Film::Judged::meanSquare() {
     return std::accumulate(squares.begin(), kept, 0.0) / count;
 }
 
-double Film::measuredEdgeShare() const {
-    uint32_t last = std::numeric_limits<uint32_t>::max();
-    for (size_t i = 0; i < blocks_.size(); i++) {
-        last = std::min(last, blocks_[i].wide ? history_.first(i + 1)[i].doublings : 0);
-    }
-    if (blocks_.empty() || last == 0) return USUAL_EDGE_SHARE;
-    Judged variances = judged(std::nullopt);
+double Film::Judged::largestKept() {
+    const auto kept = squares.end() - static_cast<ptrdiff_t>(TRIMMED * static_cast<double>(squares.size()));
+    std::nth_element(squares.begin(), kept - 1, squares.end());
+    return *(kept - 1);
+}
+
+std::optional<double> Film::movedBy(uint32_t doubling) const {
+    auto keeps = [&](size_t block) {
+        return history_.first(block + 1)[block].doublings - doubling < ErrorHistory::KEPT;  // unsigned: not before it
+    };
+    Judged variances;
+    forJudged(std::nullopt, [&](uint32_t x, uint32_t y, double, double square) {
+        if (keeps(static_cast<size_t>(y / BLOCK) * blockCount_.x + x / BLOCK)) variances.squares.push_back(square);
+    });
     const auto pixels = static_cast<double>(variances.squares.size());
-    const double variance = variances.meanSquare();
-    if (!(variance > 0.0)) return USUAL_EDGE_SHARE;
+    const double variance = variances.squares.empty() ? 0.0 : variances.meanSquare();
+    if (!(variance > 0.0)) return std::nullopt;
+    std::vector<float> moved;
+    for (size_t block = 0; block < blocks_.size(); block++) {
+        if (keeps(block)) moved.push_back(history_.first(block + 1)[block].moved[doubling % ErrorHistory::KEPT]);
+    }
+    // A pixel that is far off is alone in its block.
+    const auto kept = moved.end() - static_cast<ptrdiff_t>(TRIMMED * pixels);
+    std::nth_element(moved.begin(), kept - 1, moved.end());
+    return std::accumulate(moved.begin(), kept, 0.0) / pixels / variance;
+}
+
+double Film::measuredEdgeShare() const {
+    if (blocks_.empty() || !std::ranges::all_of(blocks_, &Block::wide)) return USUAL_EDGE_SHARE;
+    // Where cells have different numbers of samples: the newest that an eighth of the picture has come to.
+    std::vector<uint32_t> made;
+    for (const ErrorHistory::Block& block : history_.first(blocks_.size())) made.push_back(block.doublings);
+    const auto eighth = made.begin() + static_cast<ptrdiff_t>(made.size() / 8);
+    std::nth_element(made.begin(), eighth, made.end(), std::greater<>());
     std::vector<Doubling> doublings;
-    for (uint32_t i = last; i > 0 && i + 3 > last; i--) {
-        std::vector<float> moved;
-        for (const ErrorHistory::Block& block : history_.first(blocks_.size())) {
-            if (block.doublings - i < ErrorHistory::KEPT) moved.push_back(block.moved[i % ErrorHistory::KEPT]);
-        }
-        // A pixel that is far off is alone in its block.
-        const auto kept = moved.end() - static_cast<ptrdiff_t>(TRIMMED * pixels);
-        std::nth_element(moved.begin(), kept - 1, moved.end());
-        const double sum = std::accumulate(moved.begin(), kept, 0.0);
-        doublings.push_back({history_.first(1)[0].first << i, sum / pixels / variance});
+    for (uint32_t i = *eighth; i > 0 && i + 3 > *eighth; i--) {
+        const std::optional<double> moved = movedBy(i);
+        if (moved) doublings.push_back({history_.first(1)[0].first << i, *moved});
     }
     return heliograph::edgeShare(doublings);
 }
@@ -318,6 +393,25 @@ double Film::relativeError() const {
     // A black picture without variance is exact.
     if (!(errors.means > 0.0)) return square > 0.0 ? 1.0 : 0.0;
     return std::min(1.0, std::sqrt(square) * static_cast<double>(errors.squares.size()) / errors.means);
+}
+
+std::vector<CellError> Film::errorParts() const {
+    const std::vector<uint32_t> samples = cellSamples();
+    Reading reading(*this);
+    if (anyBelow(2)) return {};
+    const double edges = measuredEdgeShare();
+    Judged all = judged(edges);
+    if (!(all.means > 0.0)) return {};
+    const double most = all.largestKept();
+    const double mean = all.means / static_cast<double>(all.squares.size());
+    const double scale = 1.0 / (static_cast<double>(all.squares.size()) * mean * mean);
+    const uvec2 count = cellCount();
+    std::vector<CellError> cells;
+    for (uint32_t least : samples) cells.push_back({0.0, least});
+    forJudged(edges, [&](uint32_t x, uint32_t y, double, double square) {
+        cells[static_cast<size_t>(y / CELL_SIZE) * count.x + x / CELL_SIZE].square += scale * std::min(square, most);
+    });
+    return cells;
 }
 
 std::optional<ErrorMap> Film::errorMap(uvec2 cellSize) const {

@@ -2,6 +2,7 @@
 // The picture while it is made: sums of radiance per pixel in double, and how far each block has come. A result is taken
 // only if it continues its blocks exactly, so late, stale and duplicate results are harmless: the first one wins.
 
+#include "server/film/adaptive_cells.h"
 #include "server/film/error_history.h"
 #include "server/film/tile.h"
 
@@ -46,10 +47,20 @@ public:
     uint32_t generation() const { return generation_; }
     /// The whole picture as tiles of `tileSize` pixels (multiples of BLOCK) for samples [first, first + count).
     std::vector<Tile> tilesFor(uint32_t firstSample, uint32_t sampleCount, uvec2 tileSize) const;
-    /// Those of `tiles` whose result is still to be added.
+    /// The chosen ones of the picture's cells of CELL_SIZE pixels (row-major, `cellCount` of them), cut into tiles of at most
+    /// `tileSize`, for the next sample of each, whatever they have by now. Of one that is uneven: what is behind.
+    std::vector<Tile> tilesFor(const std::vector<bool>& cells, uvec2 tileSize) const;
+    uvec2 cellCount() const { return (resolution_ + CELL_SIZE - 1u) / CELL_SIZE; }
+    /// Those of `tiles` whose result is still to be added; of a tile that is uneven, as a pass that was given up may leave it, the
+    /// blocks.
     std::vector<Tile> lacking(std::span<const Tile> tiles) const;
     /// Samples of the block that is behind most.
     uint32_t completedSamples() const;
+    /// Samples of the block that is behind most, by cell of CELL_SIZE pixels, row-major.
+    std::vector<uint32_t> cellSamples() const;
+    /// Mean over the blocks, rounded down, and those of the block that is farthest.
+    uint32_t meanSamples() const;
+    uint32_t mostSamples() const;
     /// Mean radiance, linear, row-major RGB + number of samples in w. Pixels without samples are 0.
     void develop(std::vector<vec4>& pixels) const;
     /// The same for the rows [firstRow, lastRow) alone, into `pixels` of width * (lastRow - firstRow). Several threads may
@@ -61,6 +72,10 @@ public:
     double relativeError() const;
     /// The same for each cell of `cellSize` pixels, with the worst pixels; nothing where `relativeError` is 1 for want of samples.
     std::optional<ErrorMap> errorMap(uvec2 cellSize) const;
+    /// What each cell of CELL_SIZE pixels, row-major, has of the picture's squared `relativeError`, all with the same cost; the worst
+    /// thousandth of the pixels is taken to be as far off as the best of them. Nothing where there are no samples to tell, or
+    /// the picture is black.
+    std::vector<CellError> errorParts() const;
     /// Share of the variance that edges through pixels have, as measured on this picture.
     double edgeShare() const;
     /// How noisy each cell of `cellSize` pixels is, row-major: the standard error of its pixels' luminance as seen (that of the
@@ -119,6 +134,8 @@ private:
 
         /// Mean of the squares without the worst.
         double meanSquare();
+        /// The largest of the others.
+        double largestKept();
     };
     /// With variances as they are (no share), or the squared errors that follow with this share of edges. Needs 2 samples.
     Judged judged(std::optional<double> edges) const;
@@ -127,6 +144,8 @@ private:
     void forJudged(std::optional<double> edges, Visit visit) const;
     bool anyBelow(uint32_t samples) const;
     double measuredEdgeShare() const;
+    /// Mean variance of the judged pixels whose block keeps this doubling, and how far it moved their means, over that.
+    std::optional<double> movedBy(uint32_t doubling) const;
     glm::dvec4 sumOf(const Block& block, size_t pixel) const;
     /// Mean radiance and samples of one row of a block, from `pixel` on.
     void developRow(const Block& block, size_t pixel, uint32_t count, vec4* to) const;

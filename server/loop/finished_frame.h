@@ -32,7 +32,8 @@ struct FinishedFrame {
     uvec2 size{0, 0};                     // of the film
     ViewRequest view;
     uint32_t generation = 0;
-    uint32_t samples = 0;        // per pixel
+    uint32_t samples = 0;        // per pixel, in the mean
+    double refined = 1.0;        // part of its cells that get more on the way to the error target
     bool final = false;          // the sample target or the error target is reached
     bool errorReached = false;   // the error target, with fewer samples
     bool path = false;           // part of a run along the camera path

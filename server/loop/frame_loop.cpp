@@ -262,7 +262,7 @@ void FrameLoop::renderFilm() {
     if (first == 0) useLatestRequest();
     const bool completed = film_.renderPass(passes_, *resident_->renderer, cancelled, std::move(turn));
     endPass(completed);
-    if (completed) {
+    if (completed && film_.passWasWhole()) {
         std::lock_guard lock(mutex_);
         pace_.passed(*film_.view(), secondsBetween(asked, Clock::now()));
     }

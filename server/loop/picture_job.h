@@ -13,7 +13,7 @@ public:
 
     PictureState state() const;
     const ViewRequest& view() const { return view_; }
-    uint32_t samples() const { return film_->completedSamples(); }
+    uint32_t samples() const { return film_->meanSamples(); }
     /// One sample more. False when it was given up.
     bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
     FinishedFrame frame(const Scene& scene) const;

@@ -38,8 +38,9 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
         film_ = films_.next(filmSize(request), ++generation_);
         request_ = requestFor(scene, request, generation_, before);
         film_->setWhite(Film::WHITE * std::exp2(-(scene.scene->exposure + request.settings.exposure)));
-        samples_ = deliveredSamples_ = 0;
+        samples_ = least_ = deliveredSamples_ = 0;
         errors_.clear();
+        plan_.forget();
         figures_.devices = 0;  // what a pass that was given up left behind is not in this film
     }
     view_ = request;
@@ -48,16 +49,33 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
 bool ViewFilm::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn) {
     if (samples_ == 0) inputSeconds_ = std::chrono::duration<double>(Clock::now() - view_->received).count();
     const Urgency urgent = urgency();
-    if (!passes.render({renderer, request_, *film_, memory_, samples_, std::move(stop), {}, urgent}, figures_, std::move(turn)))
-        return false;
-    samples_ = film_->completedSamples();
+    const std::optional<std::vector<bool>> cells = nextCells();
+    passWasWhole_ = !cells;
+    Pass pass{renderer, request_, *film_, memory_, least_, std::move(stop), {}, urgent};
+    if (cells) pass.cells = &*cells;
+    if (!passes.render(pass, figures_, std::move(turn))) return false;
+    samples_ = film_->meanSamples();
+    least_ = film_->completedSamples();
     noteError();
     return true;
+}
+
+std::optional<std::vector<bool>> ViewFilm::nextCells() {
+    if (!adapts()) {
+        plan_.forget();
+        return std::nullopt;
+    }
+    if (plan_.follow(*film_, memory_.costs, {view_->settings.errorTarget / 100.0, view_->settings.samples})) askError();
+    return plan_.cells() ? std::optional(*plan_.cells()) : std::nullopt;
 }
 
 void ViewFilm::noteError() {
     constexpr uint32_t GROWTH = 16;  // by a part of so many since the last time
     if (samples_ < 2 || (!errors_.empty() && samples_ - errors_.back().samples < errors_.back().samples / GROWTH + 1)) return;
+    askError();
+}
+
+void ViewFilm::askError() {
     edgeShare_ = film_->edgeShare();
     errors_.push_back(
         {samples_, std::chrono::duration<double>(Clock::now().time_since_epoch()).count(), film_->relativeError()});
@@ -71,7 +89,8 @@ bool ViewFilm::errorReached() const {
 
 uint32_t ViewFilm::targetSamples() const {
     const uint32_t asked = view_->settings.samples;
-    return errorReached() ? std::min(samples_, asked) : asked;
+    const bool enough = adapts() && plan_.cells() ? plan_.finished() : least_ >= asked;
+    return enough || errorReached() ? std::min(samples_, asked) : std::max(samples_ + 1, asked);
 }
 
 Delivery ViewFilm::delivery() const {
@@ -94,6 +113,7 @@ FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
     frame.generation = film_->generation();
     frame.samples = samples_;
     frame.errorReached = errorReached() && samples_ < view_->settings.samples;
+    frame.refined = adapts() ? plan_.share() : 1.0;
     frame.final = samples_ >= targetSamples() && !path;
     frame.path = path;
     frame.sceneExposure = scene.exposure;

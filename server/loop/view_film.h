@@ -1,6 +1,7 @@
 #pragma once
 // The film of a view and what its viewer was sent of it. Used by the view's thread alone.
 
+#include "server/film/adaptive_plan.h"
 #include "server/film/film_pool.h"
 #include "server/pace/error_forecast.h"
 #include "server/render/pass_renderer.h"
@@ -26,8 +27,10 @@ public:
     /// Shows this request from now on: with the same samples where they are its own, else with an empty film. Throws
     /// std::runtime_error without memory for one; there is no film then.
     void show(const ResidentScene& scene, const ViewRequest& request);
-    /// One sample more. False when it was given up.
+    /// One sample more, of the whole picture or of the cells that need it. False when it was given up.
     bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn);
+    /// Whether the last pass was over the whole picture.
+    bool passWasWhole() const { return passWasWhole_; }
     /// Of the next pass: the first shows an input that no picture shows yet.
     Urgency urgency() const { return samples_ == 0 ? Urgency::awaited : Urgency::finer; }
     /// How far it is and what the viewer has of it.
@@ -39,6 +42,7 @@ public:
 
     /// What it shows; nothing without a film.
     const std::optional<ViewRequest>& view() const { return view_; }
+    /// Per pixel, in the mean.
     uint32_t samples() const { return samples_; }
     const std::shared_ptr<Film>& film() const { return film_; }
     const FrameRequest& request() const { return request_; }
@@ -48,22 +52,30 @@ public:
 private:
     /// Whether its viewer wants it no better: the estimated error is as small as asked for.
     bool errorReached() const;
+    /// Whether its cells get samples by what they need.
+    bool adapts() const { return view_->settings.adaptive && view_->settings.errorTarget > 0.0f; }
+    /// Decides which cells the next pass is for; nothing: all.
+    std::optional<std::vector<bool>> nextCells();
     /// Samples after which it is finished.
     uint32_t targetSamples() const;
     /// Asks the film for its error, seldom enough to cost nothing.
     void noteError();
+    void askError();
 
     FilmPool films_;
     std::shared_ptr<Film> film_;
     std::optional<ViewRequest> view_;
     FrameRequest request_;
     uint32_t generation_ = 0;
-    uint32_t samples_ = 0;            // per pixel, finished
+    uint32_t samples_ = 0;            // per pixel, finished; their mean where cells have different numbers
+    uint32_t least_ = 0;              // of the pixel that is behind most
     double inputSeconds_ = 0.0;       // from the input to the start of the first pass
     PassFigures figures_;             // since the last frame
     std::vector<ErrorPoint> errors_;  // of the film, as it was asked
     double edgeShare_ = 0.0;          // at the last of them
     ViewMemory memory_;
+    AdaptivePlan plan_;
+    bool passWasWhole_ = true;
     uint32_t deliveredSamples_ = 0;
     bool finalDelivered_ = false;
     bool again_ = false;

@@ -50,6 +50,22 @@ struct Gathered {
     }
 };
 
+/// Largest tiles of the pass.
+uvec2 wantedCell(const Pass& pass) {
+    const uvec2 wanted = glm::min(tileSize(pass.request.settings), pass.film.resolution());
+    return pass.cells ? glm::min(wanted, uvec2(CELL_SIZE)) : wanted;
+}
+
+std::vector<Tile> tilesOf(const Pass& pass, uvec2 cell) {
+    if (pass.cells) return pass.film.tilesFor(*pass.cells, cell);
+    return pass.film.lacking(pass.film.tilesFor(pass.firstSample, 1, cell));
+}
+
+/// Whether the film has got all of the pass.
+bool isDone(const Pass& pass, std::span<const Tile> tiles) {
+    return pass.cells ? pass.film.lacking(tiles).empty() : pass.film.completedSamples() > pass.firstSample;
+}
+
 void begin(ViewMemory& view, const Pass& pass, uvec2 cell) {
     view.costs.begin(pass.film.resolution(), cell);
     // Where one device renders all, the order of the tiles does not matter.
@@ -82,9 +98,9 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
     const DeviceInfo info = pass.renderer.infoFor(settings);
     slices_ = turns_ && !info.drawsWhole;
     forgetWhatNoLongerHolds(pass.request);
-    uvec2 cell = cellFor(glm::min(tileSize(settings), pass.film.resolution()));
-    std::vector<Tile> tiles = pass.film.tilesFor(pass.firstSample, 1, cell);
-    if (pass.firstSample > 0) makeRoom(pass.film);
+    uvec2 cell = cellFor(wantedCell(pass));
+    std::vector<Tile> tiles = tilesOf(pass, cell);
+    if (pass.firstSample > 0 || pass.cells) makeRoom(pass.film);
     begin(pass.view, pass, cell);
     std::shared_ptr<Partition> partition;
     if (settings.showPartition) {
@@ -116,11 +132,11 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
         const std::span<Tile> slice = std::span(tiles).subspan(done, count);
         const std::vector<Tile> left = renderSlice(pass, slice, figures, partition.get());
         turn.reset();
-        if (pass.stop.stop_requested() && pass.film.completedSamples() <= pass.firstSample) return false;
+        if (pass.stop.stop_requested() && !isDone(pass, tiles)) return false;
         std::ranges::copy(left, slice.last(left.size()).begin());
         done += count - left.size();
     }
-    if (pass.film.completedSamples() <= pass.firstSample) {
+    if (!isDone(pass, tiles)) {
         throw std::runtime_error("device " + pass.renderer.infoFor(settings).name + " left out tiles of a pass");
     }
     figures.passes++;

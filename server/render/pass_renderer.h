@@ -35,6 +35,8 @@ struct Pass {
     std::stop_token stop = {};
     std::function<void(double share)> progress = {};  // of this pass; called from the device's threads, one at a time
     Urgency urgency = Urgency::finer;
+    /// Gives a sample to these cells of the film alone (Film::tilesFor), whatever they have; null: all, which have `firstSample`.
+    const std::vector<bool>* cells = nullptr;
 };
 
 class PassRenderer {

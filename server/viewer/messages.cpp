@@ -202,6 +202,7 @@ std::string statsMessage(const ViewerStats& s) {
         message["scheduler"] = {{"endLossMs", 1e3 * finite(s.schedule.endLoss())},
                                 {"decisionMs", 1e3 * finite(s.schedule.decisionSeconds)},
                                 {"batches", s.schedule.batches},
+                    {"refined", finite(s.refined)},
                                 {"reissued", s.schedule.reissued}};
     }
     return text(message);

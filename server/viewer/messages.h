@@ -40,7 +40,8 @@ struct ViewerStats {
     uint32_t targetSamples = 0;
     double relativeError = 1.0;
     ErrorForecast forecast;
-    RayCounts rays;  // of the last pass
+    double refined = 1.0;  // part of the picture that still gets samples on the way to the error target
+    RayCounts rays;        // of the last pass
     double mraysPerSecond = 0.0;
     struct Milliseconds {
         double render = 0, develop = 0, encode = 0, queue = 0, send = 0;

@@ -136,6 +136,7 @@ EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, 
     result.order = frame.picture;
     result.targetSamples = frame.view.settings.samples;
     result.forecast = frame.forecast;
+    result.refined = frame.refined;
     if (frame.view.settings.showError && !frame.picture) result.errors = frame.film->errorMap(uvec2(CELL_SIZE));
     if (made.still) result.still = std::make_shared<StillPicture>(StillPicture{made.still, result.header});
     return result;

@@ -19,6 +19,7 @@ void StatsWindow::frameSent(const EncodedFrame& frame) {
     last_.targetSamples = frame.targetSamples;
     last_.relativeError = frame.header.relativeError;
     last_.forecast = frame.forecast;
+    last_.refined = frame.refined;
     if (frame.figures.passes > 0) {
         last_.rays = frame.figures.lastRays;
         last_.schedule = frame.figures.schedule;

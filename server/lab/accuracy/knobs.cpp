@@ -20,6 +20,7 @@ const std::vector<Knob>& table() {
         {"automaticScale", viewer, {"on", "off"}, "while a viewer moves; renderScale shows what it costs"},
         {"samples", grain, {"1", "2", "4", "8", "16", "32", "64", "128", "256"}, {}},
         {"errorTarget", viewer, {"10", "1", "0"}, "while a view refines; samples shows what it costs"},
+        {"adaptive", viewer, {"on", "off"}, "with errorTarget; bench adaptive shows what it costs"},
         {"integrator", light, {"interactive", "path"}, "path is exact but for what docs/reference/accuracy.md lists"},
         {"maxBounces", cut, {"1", "2", "4", "8", "16", "64", "255"}, {}},
         {"shadows", light, {"off", "on"}, {}},

@@ -35,6 +35,67 @@ TEST(Film, AddsSumsAndDevelopsTheMean) {
     EXPECT_EQ(film.completedSamples(), 4u);
 }
 
+// Cells have samples of their own, and a tile that is uneven is continued by its blocks.
+TEST(Film, CellsAreContinuedWhateverTheyHave) {
+    Film film;
+    film.reset(uvec2(72, 40), 1);  // 3 x 2 cells, cut at the borders
+    ASSERT_EQ(film.cellCount(), uvec2(3, 2));
+    for (const Tile& tile : film.tilesFor(0, 1, uvec2(32))) ASSERT_TRUE(film.add(resultFor(tile, vec4(1))));
+    const std::vector<bool> chosen = {true, false, false, false, false, true};
+    for (int pass = 0; pass < 2; pass++) {
+        const std::vector<Tile> tiles = film.tilesFor(chosen, uvec2(32));
+        ASSERT_EQ(tiles.size(), 2u);
+        EXPECT_EQ(tiles[1].origin, uvec2(64, 32));
+        EXPECT_EQ(tiles[1].size, uvec2(8, 8));
+        for (const Tile& tile : tiles) EXPECT_TRUE(film.add(resultFor(tile, vec4(1))));
+        EXPECT_TRUE(film.lacking(tiles).empty());
+    }
+    EXPECT_EQ(film.cellSamples(), (std::vector<uint32_t>{3, 1, 1, 1, 1, 3}));
+    EXPECT_EQ(film.completedSamples(), 1u);
+    EXPECT_EQ(film.mostSamples(), 3u);
+    std::vector<vec4> pixels;
+    film.develop(pixels);
+    EXPECT_EQ(pixels[0], vec4(1, 1, 1, 3));
+    EXPECT_EQ(pixels[40], vec4(1, 1, 1, 1));
+
+    EXPECT_TRUE(film.add(resultFor(tileAt({40, 0}, {8, 8}, 1), vec4(1))));
+    const std::vector<Tile> left = film.tilesFor({false, true, false, false, false, false}, uvec2(32));
+    EXPECT_EQ(left.size(), 15u) << "all blocks but one are behind";
+    for (const Tile& tile : left) EXPECT_TRUE(film.add(resultFor(tile, vec4(1))));
+    EXPECT_EQ(film.cellSamples()[1], 2u);
+    const std::vector<Tile> pass = film.tilesFor(1, 1, uvec2(96, 32));
+    ASSERT_EQ(pass.size(), 2u) << "each holds what is behind and what is not";
+    EXPECT_EQ(film.lacking(pass).size(), 4u + 8u);
+    for (const Tile& tile : film.lacking(pass)) EXPECT_TRUE(film.add(resultFor(tile, vec4(1))));
+    EXPECT_EQ(film.completedSamples(), 2u);
+}
+
+// What each cell has of the picture's error sums up to it, but for what the worst thousandth is taken to be.
+TEST(Film, PartsOfTheErrorSumUpToIt) {
+    test::Random random(11);
+    Film film;
+    film.reset(uvec2(96, 64), 1);
+    for (uint32_t sample = 0; sample < 16; sample++) {
+        for (const Tile& tile : film.tilesFor(sample, 1, uvec2(32))) {
+            TileResult result;
+            result.tile = tile;
+            for (uint32_t i = 0; i < tile.size.x * tile.size.y; i++) {
+                const float grey = random.real(0.0f, tile.origin.x == 32 ? 2.0f : 0.5f);
+                result.radianceSum.push_back(vec4(vec3(grey), grey * grey));
+            }
+            ASSERT_TRUE(film.add(result));
+        }
+    }
+    const std::vector<CellError> parts = film.errorParts();
+    ASSERT_EQ(parts.size(), 6u);
+    double sum = 0.0;
+    for (const CellError& part : parts) sum += part.square;
+    EXPECT_NEAR(std::sqrt(sum), film.relativeError(), 0.01 * film.relativeError());
+    EXPECT_GE(std::sqrt(sum), film.relativeError());
+    EXPECT_GT(parts[1].square, 8.0 * parts[0].square);
+    EXPECT_EQ(parts[4].samples, 16u);
+}
+
 // While a viewer moves there is one sample a pixel, and it costs 16 bytes.
 TEST(Film, ASecondSampleCostsMemoryAndTheFirstDoesNot) {
     constexpr uvec2 SIZE{256, 128};

@@ -41,7 +41,8 @@ public:
             result.radianceSum.assign(static_cast<size_t>(tile.size.x) * tile.size.y, vec4(request.camera.position, 0.0f));
             if (grainy) {
                 for (size_t i = 0; i < result.radianceSum.size(); i++) {
-                    const float grey = chance.word() & 1u ? 1.5f : 0.5f;
+                    const float depth = result.tile.origin.x < calmUntil ? 0.001f : 0.5f;
+                    const float grey = chance.word() & 1u ? 1.0f + depth : 1.0f - depth;
                     result.radianceSum[i] = vec4(vec3(grey), grey * grey);
                 }
             }
@@ -79,6 +80,7 @@ public:
 
     std::atomic<int> inside{0}, calls{0};
     std::atomic<bool> overlapped{false}, broken{false}, slow{false}, grainy{false};
+    std::atomic<uint32_t> calmUntil{0};  // column of pixels, of a grainy picture
     test::Random chance{3};
     std::mutex mutex;
     std::condition_variable_any changed;
@@ -232,6 +234,58 @@ TEST(FrameLoop, StopsAtTheErrorTarget) {
     ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 5 && s.viewer.frames.back().final; }));
     EXPECT_GT(s.viewer.frames.back().samples, 2 * samples);
     EXPECT_EQ(s.viewer.frames.back().generation, s.viewer.frames.front().generation) << "with the samples that there were";
+}
+
+// Rays go where the grain is; an exposure makes none, and switched off the others catch up.
+TEST(FrameLoop, AdaptiveSamplesGoWhereTheyAreNeeded) {
+    Stage s;
+    s.device->grainy = true;
+    s.device->calmUntil = 64;
+    ViewRequest request = inputFrom(3, 4096);
+    request.settings.errorTarget = 3.0f;
+    request.settings.adaptive = true;
+    s.loop.setScene(sceneOn(s.device), request);
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    auto samplesAt = [&](uint32_t x, uint32_t y) { return static_cast<uint32_t>(s.viewer.pixels[96 * y + x].w); };
+    auto primary = [&] {
+        uint64_t rays = 0;
+        for (const FinishedFrame& frame : s.viewer.frames) rays += frame.figures.rays[RayKind::primary];
+        return rays;
+    };
+    const uint32_t samples = s.viewer.frames.back().samples, upper = samplesAt(80, 0), lower = samplesAt(80, 40);
+    EXPECT_TRUE(s.viewer.frames.back().errorReached);
+    EXPECT_LE(s.viewer.frames.back().forecast.error, 0.03);
+    for (uint32_t y : {0, 40}) {
+        EXPECT_EQ(samplesAt(0, y), ADAPTIVE_FROM);
+        EXPECT_EQ(samplesAt(63, y), ADAPTIVE_FROM);
+        EXPECT_GT(samplesAt(80, y), 3 * ADAPTIVE_FROM);
+    }
+    EXPECT_EQ(samples, (4 * ADAPTIVE_FROM + upper + lower) / 6) << "in the mean";
+    EXPECT_EQ(primary(), 1024u * (4u * ADAPTIVE_FROM + upper + lower)) << "of six cells";
+
+    request.inputId = 4;
+    request.settings.adaptive = false;
+    request.settings.errorTarget = 0.0f;
+    request.settings.samples = std::max(upper, lower) + 5;
+    s.loop.show(request);
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 4 && s.viewer.frames.back().final; }));
+    EXPECT_EQ(s.viewer.frames.back().samples, request.settings.samples);
+    for (uint32_t x : {0, 63, 80}) EXPECT_EQ(samplesAt(x, 40), request.settings.samples);
+    EXPECT_EQ(primary(), 6u * 1024u * request.settings.samples) << "no ray twice";
+}
+
+TEST(FrameLoop, AdaptiveSamplesEndAtTheSamplesAtRest) {
+    Stage s;
+    s.device->grainy = true;
+    s.device->calmUntil = 32;
+    ViewRequest request = inputFrom(3, 40);
+    request.settings.errorTarget = 0.5f;
+    request.settings.adaptive = true;
+    s.loop.setScene(sceneOn(s.device), request);
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    EXPECT_FALSE(s.viewer.frames.back().errorReached);
+    EXPECT_EQ(s.viewer.pixels[95].w, 40.0f);
+    EXPECT_EQ(s.viewer.pixels[0].w, 40.0f) << "what is calm, too: the target is out of reach";
 }
 
 TEST(FrameLoop, SamplesEndWhereTheErrorTargetIsFar) {
