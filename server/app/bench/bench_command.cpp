@@ -2,6 +2,7 @@
 
 #include "server/app/bench/bench_accuracy.h"
 #include "server/app/bench/bench_effects.h"
+#include "server/app/bench/bench_adaptive.h"
 #include "server/app/bench/bench_forecast.h"
 #include "server/app/devices.h"
 #include "server/base/output_file.h"
@@ -315,6 +316,7 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
     addBenchEffects(*bench, run);
     addBenchAccuracy(*bench, run);
     addBenchForecast(*bench, run);
+    addBenchAdaptive(*bench, run);
 }
 
 }  // namespace heliograph

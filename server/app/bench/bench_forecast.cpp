@@ -1,9 +1,10 @@
 #include "server/app/bench/bench_forecast.h"
 
+#include "server/app/bench/bench_views.h"
 #include "server/app/devices.h"
 #include "server/base/error.h"
 #include "server/base/progress_bar.h"
-#include "server/lab/accuracy/forecast_check.h"
+#include "server/lab/live/forecast_check.h"
 #include "server/lab/accuracy/reference.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/load/scene_source.h"
@@ -28,28 +29,6 @@ void checkBounds(const BenchForecastOptions& options) {
     within("--reference", options.reference, 2 * Reference::RUN, MOST_REFERENCE);
     if (std::has_single_bit(static_cast<uint64_t>(options.samples))) return;
     throw InputError("--samples", std::to_string(options.samples), "a power of two");
-}
-
-struct NamedView {
-    std::string name;
-    Camera camera;
-};
-
-/// The scene's cameras first, then places along its first path.
-std::vector<NamedView> viewsOf(const Scene& scene, size_t most, GivenSettings given) {
-    std::vector<NamedView> views;
-    for (const NamedCamera& camera : scene.cameras) {
-        if (views.size() < most) views.push_back({camera.name, chosenCamera(scene, camera.name, given)});
-    }
-    const size_t places = scene.paths.empty() ? 0 : most - views.size();
-    for (size_t i = 0; i < places; i++) {
-        const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(places);
-        const CameraPath& path = scene.paths.front();
-        const float fieldOfView = views.front().camera.fieldOfView;
-        views.push_back(
-            {path.name + " " + std::to_string(i + 1) + "/" + std::to_string(places), cameraOnPath(path, at, fieldOfView)});
-    }
-    return views;
 }
 
 }  // namespace

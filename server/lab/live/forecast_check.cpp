@@ -1,8 +1,8 @@
-#include "server/lab/accuracy/forecast_check.h"
+#include "server/lab/live/forecast_check.h"
 
 #include "server/film/error_model.h"
 #include "server/film/film.h"
-#include "server/lab/accuracy/reference.h"
+#include "server/lab/live/truth.h"
 #include "server/pace/error_forecast.h"
 
 #include <algorithm>
@@ -10,46 +10,10 @@
 #include <cmath>
 #include <cstdio>
 #include <mutex>
-#include <numeric>
 
 namespace heliograph {
 
 namespace {
-
-double luminance(vec3 rgb) {
-    return static_cast<double>(LUMINANCE_RED) * rgb.x + static_cast<double>(LUMINANCE_GREEN) * rgb.y +
-           static_cast<double>(LUMINANCE_BLUE) * rgb.z;
-}
-
-/// White at most.
-std::vector<double> luminances(const std::vector<vec4>& pixels, double white) {
-    std::vector<double> all;
-    all.reserve(pixels.size());
-    for (const vec4& pixel : pixels) all.push_back(std::min(luminance(vec3(pixel)), white));
-    return all;
-}
-
-/// Mean of the squared differences, without the thousandth that is largest.
-double meanSquare(const std::vector<double>& a, const std::vector<double>& b) {
-    std::vector<double> squares;
-    for (size_t i = 0; i < a.size(); i++) squares.push_back((a[i] - b[i]) * (a[i] - b[i]));
-    const auto kept = squares.end() - static_cast<ptrdiff_t>(1e-3 * static_cast<double>(squares.size()));
-    std::nth_element(squares.begin(), kept - 1, squares.end());
-    return std::accumulate(squares.begin(), kept, 0.0) / static_cast<double>(squares.size());
-}
-
-/// The reference in luminance.
-struct Truth {
-    std::vector<double> pixels;
-    double mean = 0.0, white = 0.0;
-    double ownSquare = 0.0;  // mean squared error of its own
-
-    Truth(const Reference& reference, double white) : pixels(luminances(reference.picture().pixels, white)), white(white) {
-        for (double pixel : pixels) mean += pixel / static_cast<double>(pixels.size());
-        // The halves are twice as far from each other as their mean is from the truth.
-        ownSquare = meanSquare(luminances(reference.half(0).pixels, white), luminances(reference.half(1).pixels, white)) / 4.0;
-    }
-};
 
 /// A film, and beside it the squares of its samples.
 class CheckedFilm {
@@ -89,12 +53,12 @@ public:
         const std::vector<double> pixels = luminances(developed, truth.white);
         std::vector<double> deviations, none(pixels.size(), 0.0);
         for (size_t i = 0; i < pixels.size(); i++) {
-            const double mean = luminance(vec3(developed[i]));
+            const double mean = luminanceOf(vec3(developed[i]));
             deviations.push_back(std::sqrt(std::max(0.0, squares_[i] / samples_ - mean * mean) / (samples_ - 1.0)));
         }
         row.independent = std::sqrt(meanSquare(deviations, none)) / truth.mean;
-        row.measured = std::sqrt(std::max(0.0, meanSquare(pixels, truth.pixels) - truth.ownSquare)) / truth.mean;
-        row.ownError = std::sqrt(truth.ownSquare) / truth.mean;
+        row.measured = truth.errorOf(pixels);
+        row.ownError = truth.ownError();
         return row;
     }
 
