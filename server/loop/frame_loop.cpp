@@ -47,7 +47,7 @@ void FrameLoop::show(const ViewRequest& request) {
 void FrameLoop::setScene(std::shared_ptr<ResidentScene> scene, const std::optional<ViewRequest>& request) {
     tell([&] {
         if (request) newest_ = request;
-        pace_.forget();
+        pace_.forget(scene ? scene->effects : EffectSet{});
         if (request) pace_.asked(*request);
         newScene_ = std::move(scene);
         sceneChanged_ = true;
@@ -98,6 +98,11 @@ void FrameLoop::stop() {
 ScaleFigures FrameLoop::scale() const {
     std::lock_guard lock(mutex_);
     return pace_.figures();
+}
+
+AutopilotFigures FrameLoop::autopilot() const {
+    std::lock_guard lock(mutex_);
+    return pace_.autopilot();
 }
 
 std::optional<RunningStage> FrameLoop::stage(uint32_t viewer) const {

@@ -46,6 +46,8 @@ public:
     Turns::Used used() const { return passes_.used(); }
     /// By how much pictures are smaller while the viewer moves.
     ScaleFigures scale() const;
+    /// What they do without for a time budget.
+    AutopilotFigures autopilot() const;
     /// What it is at that may last: the device has the thread. `viewer`: for whom.
     std::optional<RunningStage> stage(uint32_t viewer) const;
 

@@ -1,9 +1,10 @@
 #pragma once
-// At which scale a view is rendered: the one that was asked for, and while the viewer moves the one that the frame rate allows.
-// An input that ends a motion is answered at that scale first, which takes no time, and then in full. Not safe from several
-// threads: the loop's lock guards it.
+// At which scale a view is rendered: the one that was asked for, and while the viewer moves the one that the frame rate allows; with
+// a time budget also without which rays (pace/autopilot.h). An input that ends a motion is answered like that first, which takes
+// no time, and then in full. Not safe from several threads: the loop's lock guards it.
 
-#include "server/pace/moving_scale.h"
+#include "server/pace/autopilot.h"
+#include "server/request/ladder.h"
 #include "server/request/view_request.h"
 
 namespace heliograph {
@@ -14,6 +15,19 @@ struct ScaleFigures {
     double fullSeconds = 0.0;  // of a pass at the size that was asked for, predicted; 0: not known
 };
 
+/// What pictures do without for the time budget.
+struct AutopilotFigures {
+    /// A rung of the ladder that is taken, and what a pass would take without it.
+    struct Step {
+        std::string setting, before, after;
+        double secondsWithout = 0.0;
+    };
+    double budget = 0.0;   // seconds; 0: none is set
+    double seconds = 0.0;  // of a pass as it is, predicted; 0: not known
+    uint32_t step = 0;     // of moving_scale.h
+    std::vector<Step> steps;
+};
+
 class ViewPace {
 public:
     using Clock = std::chrono::steady_clock;
@@ -22,8 +36,8 @@ public:
     void asked(const ViewRequest& request);
     /// The request as it is rendered: its `renderScale` is the one of the moment.
     ViewRequest paced(ViewRequest request) const;
-    /// Whether this view, as it was rendered, is smaller than it shall be in the end.
-    bool smaller(const ViewRequest& paced) const { return paced.settings.renderScale < newest_.settings.renderScale; }
+    /// Whether this view, as it was rendered, has fewer pixels or rays than it shall have in the end.
+    bool smaller(const ViewRequest& paced) const;
     /// A pass over this view is finished, `seconds` after it asked for the device.
     void passed(const ViewRequest& view, double seconds);
     /// A picture of this view was handed over.
@@ -31,15 +45,23 @@ public:
     /// Steps that pictures are smaller for the line, beside those for what passes cost.
     void setLineSteps(uint32_t steps) { lineSteps_ = steps; }
     ScaleFigures figures() const;
-    /// Another scene: nothing is known of it.
-    void forget();
+    AutopilotFigures autopilot() const;
+    /// Another scene, that calls for these effects: nothing else is known of it.
+    void forget(EffectSet scene);
 
 private:
     uint32_t stepsFor(const ViewRequest& request) const;
+    /// The rung that this view stands on, if it has the newest settings but for that.
+    std::optional<uint32_t> rungOf(const ViewRequest& view) const;
+    void climb(const Settings& settings, bool alike);
 
     PixelCost cost_;
     ViewRequest newest_;  // as it was asked for; cost_ is of passes with its settings
     ScaleChoice choice_;
+    EffectSet scene_;
+    std::vector<LadderRung> ladder_;  // of newest_, with a time budget
+    LadderCosts ladderCosts_;
+    LadderChoice place_;
     uint32_t lineSteps_ = 0;
     bool lowered_ = false;  // the viewer moves, or the end of a motion is not answered yet
 };

@@ -183,6 +183,7 @@ std::optional<ViewerStats> View::stats(Viewer& viewer, double seconds) const {
     if (stats.device.empty()) stats.device = scene_->renderer->info().name;
     stats.watchers = seats_.empty() ? 0 : seats_.size() - 1;
     stats.scale = loop_.scale();
+    stats.autopilot = loop_.autopilot();
     return stats;
 }
 

@@ -85,6 +85,22 @@ json forecastJson(const ErrorForecast& forecast) {
     return {{"plateau", forecast.plateau}, {"steps", steps}};
 }
 
+/// What pictures of a moving view do without; nothing without a budget.
+json autopilotJson(const AutopilotFigures& figures) {
+    if (!(figures.budget > 0.0)) return nullptr;
+    json steps = json::array();
+    for (const AutopilotFigures::Step& step : figures.steps) {
+        steps.push_back({{"setting", step.setting},
+                         {"before", step.before},
+                         {"after", step.after},
+                         {"msWithout", 1e3 * finite(step.secondsWithout)}});
+    }
+    return {{"budgetMs", 1e3 * figures.budget},
+            {"ms", 1e3 * finite(figures.seconds)},
+            {"scale", scaleOf(figures.step)},
+            {"steps", steps}};
+}
+
 /// The offered words of the setting `device` that mean a device of this row.
 std::vector<std::string> wordsOf(const DeviceRow& row, const std::vector<std::string>& offered) {
     std::vector<std::string> words;
@@ -186,6 +202,7 @@ std::string statsMessage(const ViewerStats& s) {
                     {"targetSamples", s.targetSamples},
                     {"relativeError", finite(s.relativeError)},
                     {"forecast", forecastJson(s.forecast)},
+                    {"refined", finite(s.refined)},
                     {"rays", toJson(s.rays)},
                     {"mraysPerSecond", finite(s.mraysPerSecond)},
                     {"ms", ms},
@@ -196,13 +213,13 @@ std::string statsMessage(const ViewerStats& s) {
                     {"watchers", s.watchers},
                     {"residentBytes", s.residentBytes},
                     {"nonfiniteSamples", s.nonfiniteSamples},
-                    {"pace", paceJson(s.line, s.scale)}};
+                    {"pace", paceJson(s.line, s.scale)},
+                    {"autopilot", autopilotJson(s.autopilot)}};
     if (!s.schedule.devices.empty()) {
         message["parts"] = partsJson(s.schedule);
         message["scheduler"] = {{"endLossMs", 1e3 * finite(s.schedule.endLoss())},
                                 {"decisionMs", 1e3 * finite(s.schedule.decisionSeconds)},
                                 {"batches", s.schedule.batches},
-                    {"refined", finite(s.refined)},
                                 {"reissued", s.schedule.reissued}};
     }
     return text(message);

@@ -56,6 +56,7 @@ struct ViewerStats {
     ScheduleReport schedule;        // of the last pass of hybrid; else without devices
     LineFigures line;
     ScaleFigures scale;
+    AutopilotFigures autopilot;
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.

@@ -25,6 +25,11 @@ export function forecastText(forecast: Forecast | null, refining: boolean, targe
   return `${roundPercent(next.error)} would take ${samplesText(next.samples)} samples`;
 }
 
+/** " · refining 34 % of it": which part of a picture with an error target still gets samples. '' for all and for none. */
+export function refinedText(final: boolean, refined: number): string {
+  return final || refined <= 0 || refined >= 1 ? '' : ` · refining ${Math.max(1, Math.round(refined * 100))} % of it`;
+}
+
 /** Two digits: more would pretend. */
 function samplesText(samples: number): string {
   const rounded = Number(samples.toPrecision(2));

@@ -139,6 +139,14 @@ export interface Forecast {
   readonly steps: readonly ForecastStep[]; // the largest error first
 }
 
+/** What pictures of a moving view do without for the time budget. */
+export interface Autopilot {
+  readonly budgetMs: number;
+  readonly ms: number; // of a picture as it is, predicted; 0: not known
+  readonly scale: number; // width of a picture over that of a full one
+  readonly steps: readonly { setting: string; before: string; after: string; msWithout: number }[];
+}
+
 export interface Stats {
   readonly type: 'stats';
   readonly device: string;
@@ -147,6 +155,8 @@ export interface Stats {
   readonly targetSamples: number;
   readonly relativeError: number;
   readonly forecast: Forecast | null; // not known
+  readonly autopilot: Autopilot | null; // no budget
+  readonly refined: number; // 0..1: part of the picture that still gets samples
   readonly rays: Numbers;
   readonly mraysPerSecond: number;
   readonly ms: Numbers;
@@ -355,6 +365,15 @@ function paceOf(value: unknown): Pace | null {
   };
 }
 
+function autopilotOf(value: unknown): Autopilot | null {
+  if (!isObject(value)) return null;
+  const steps = listOf(value['steps']).map((entry) => {
+    const { setting, before, after, msWithout } = fieldsOf(entry);
+    return { setting: textOf(setting), before: textOf(before), after: textOf(after), msWithout: numberOf(msWithout) };
+  });
+  return { budgetMs: numberOf(value['budgetMs']), ms: numberOf(value['ms']), scale: numberOf(value['scale'], 1), steps };
+}
+
 function forecastOf(value: unknown): Forecast | null {
   if (!isObject(value)) return null;
   const steps = listOf(value['steps']).map((entry) => {
@@ -378,6 +397,8 @@ function statsOf(fields: Fields): Stats {
     targetSamples: numberOf(fields['targetSamples']),
     relativeError: numberOf(fields['relativeError'], 1),
     forecast: forecastOf(fields['forecast']),
+    autopilot: autopilotOf(fields['autopilot']),
+    refined: numberOf(fields['refined'], 1),
     rays: numbersOf(fields['rays']),
     mraysPerSecond: numberOf(fields['mraysPerSecond']),
     ms: numbersOf(fields['ms']),

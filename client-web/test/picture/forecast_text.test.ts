@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { forecastText } from '../../src/picture/forecast_text.js';
+import { forecastText, refinedText } from '../../src/picture/forecast_text.js';
 import { parseMessage, type Forecast } from '../../src/wire/protocol.js';
 
 const FORECAST = {
@@ -41,4 +41,10 @@ test('forecastText: nothing where nothing is known, and a plateau is said so', (
   const plateau = told({ plateau: true, steps: [] });
   assert.equal(forecastText(plateau, true, 64), 'more samples have not helped lately');
   assert.equal(forecastText(plateau, false, 64), '');
+});
+
+test('refinedText: which part of the picture is still refined', () => {
+  assert.equal(refinedText(false, 0.344), ' · refining 34 % of it');
+  assert.equal(refinedText(false, 0.0001), ' · refining 1 % of it');
+  for (const [final, refined] of [[true, 0.3], [false, 1], [false, 0]] as const) assert.equal(refinedText(final, refined), '');
 });

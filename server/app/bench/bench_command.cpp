@@ -3,6 +3,7 @@
 #include "server/app/bench/bench_accuracy.h"
 #include "server/app/bench/bench_effects.h"
 #include "server/app/bench/bench_adaptive.h"
+#include "server/app/bench/bench_autopilot.h"
 #include "server/app/bench/bench_forecast.h"
 #include "server/app/devices.h"
 #include "server/base/output_file.h"
@@ -317,6 +318,7 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
     addBenchAccuracy(*bench, run);
     addBenchForecast(*bench, run);
     addBenchAdaptive(*bench, run);
+    addBenchAutopilot(*bench, run);
 }
 
 }  // namespace heliograph

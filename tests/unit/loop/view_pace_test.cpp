@@ -107,5 +107,89 @@ TEST(ViewPace, TheFrameRateAskedForDecides) {
     }
 }
 
+/// Asks for so many milliseconds a picture, of a view with 25 occlusion rays.
+ViewRequest budgeted(bool moving, float milliseconds, uint32_t inputId = 1) {
+    ViewRequest request = requestOf(moving, inputId);
+    request.settings.timeBudget = milliseconds;
+    request.settings.ambientOcclusion = true;
+    request.settings.aoSamples = 25;
+    return request;
+}
+
+/// Passes whose time goes by the rays: 5 + occlusion rays, 30 of them 300 ms at full size.
+double secondsOf(const ViewRequest& view) {
+    const double rays = 5.0 + (view.settings.ambientOcclusion ? view.settings.aoSamples : 0);
+    return 0.3 * rays / 30.0 * pixels(view) / PIXELS;
+}
+
+TEST(ViewPace, WithABudgetRaysGoFirstAndPixelsLast) {
+    ViewPace pace;
+    pace.forget({EFFECT_AMBIENT_OCCLUSION});
+    pace.asked(budgeted(false, 100.0f));
+    pace.passed(pace.paced(budgeted(false, 100.0f)), secondsOf(budgeted(false, 100.0f)));
+    pace.delivered(budgeted(false, 100.0f));
+    EXPECT_TRUE(pace.autopilot().steps.empty()) << "at rest everything is as set";
+    EXPECT_NEAR(pace.autopilot().seconds, 0.3, 1e-9);
+    uint32_t input = 2;
+    auto fly = [&](float milliseconds) {
+        ViewRequest paced;
+        for (int frame = 0; frame < 200; frame++) {
+            pace.asked(budgeted(true, milliseconds, ++input));
+            paced = pace.paced(budgeted(true, milliseconds, input));
+            pace.passed(paced, secondsOf(paced));
+            pace.delivered(paced);
+        }
+        return paced;
+    };
+    const ViewRequest gentle = fly(100.0f);
+    EXPECT_EQ(pixels(gentle), PIXELS);
+    EXPECT_LT(gentle.settings.aoSamples, 9u);
+    EXPECT_LE(secondsOf(gentle), 0.1);
+    const AutopilotFigures figures = pace.autopilot();
+    EXPECT_NEAR(figures.budget, 0.1, 1e-9);
+    EXPECT_NEAR(figures.seconds, secondsOf(gentle), 1e-6);
+    bool told = false;
+    for (const AutopilotFigures::Step& step : figures.steps) {
+        if (step.setting != "aoSamples" || step.before != "25") continue;
+        told = true;
+        EXPECT_EQ(step.after, "9");
+        EXPECT_GT(step.secondsWithout, 0.1);
+    }
+    EXPECT_TRUE(told);
+    const ViewRequest hasty = fly(10.0f);
+    EXPECT_FALSE(hasty.settings.ambientOcclusion);
+    EXPECT_LT(pixels(hasty), PIXELS);
+    EXPECT_LE(secondsOf(hasty), 0.01);
+    EXPECT_TRUE(pace.smaller(hasty));
+
+    // The end is answered as it was, then in full.
+    pace.asked(budgeted(false, 10.0f, ++input));
+    const ViewRequest end = pace.paced(budgeted(false, 10.0f, input));
+    EXPECT_EQ(end.settings, hasty.settings);
+    pace.delivered(end);
+    const ViewRequest still = pace.paced(budgeted(false, 10.0f, input));
+    EXPECT_EQ(still.settings, budgeted(false, 10.0f).settings);
+    EXPECT_FALSE(pace.smaller(still));
+}
+
+TEST(ViewPace, ABudgetLeavesWhatIsShownAlone) {
+    ViewPace pace;
+    pace.forget({EFFECT_AMBIENT_OCCLUSION});
+    ViewRequest request = budgeted(true, 10.0f);
+    pace.asked(request);
+    pace.passed(pace.paced(request), 0.3);
+    request.settings.exposure = 2.0f;
+    request.settings.jpegQuality = 33;
+    pace.asked(request);
+    const ViewRequest paced = pace.paced(request);
+    EXPECT_EQ(paced.settings.exposure, 2.0f);
+    EXPECT_EQ(paced.settings.jpegQuality, 33u);
+    EXPECT_LT(pixels(paced), PIXELS) << "what was learned still counts";
+    request.settings.automaticScale = false;
+    request.settings.renderScale = 0.5f;
+    pace.asked(request);
+    EXPECT_EQ(filmSize(pace.paced(request)), uvec2(320, 180)) << "the viewer fixes the scale";
+}
+
 }  // namespace
 }  // namespace heliograph

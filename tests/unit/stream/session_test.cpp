@@ -267,6 +267,15 @@ TEST(Messages, ErrorsAreHundredthsOfAPercent) {
 TEST(Messages, StatisticsForetellTheError) {
     ViewerStats stats;
     EXPECT_TRUE(nlohmann::json::parse(statsMessage(stats))["forecast"].is_null());
+    EXPECT_TRUE(nlohmann::json::parse(statsMessage(stats))["autopilot"].is_null());
+    stats.autopilot = {0.033, 0.03, 2, {{"aoSamples", "25", "9", 0.08}}};
+    const auto autopilot = nlohmann::json::parse(statsMessage(stats))["autopilot"];
+    EXPECT_EQ(autopilot["budgetMs"], 33.0);
+    EXPECT_NEAR(autopilot["scale"].get<double>(), 2.0 / 3.0, 1e-9);
+    EXPECT_EQ(autopilot["steps"][0]["before"], "25");
+    EXPECT_EQ(autopilot["steps"][0]["msWithout"], 80.0);
+    stats.refined = 0.25;
+    EXPECT_EQ(nlohmann::json::parse(statsMessage(stats))["refined"], 0.25);
     const std::vector<ErrorPoint> history = {{4, 1.0, 0.06}, {16, 2.0, 0.03}};
     stats.forecast = forecastError(history);
     const auto forecast = nlohmann::json::parse(statsMessage(stats))["forecast"];

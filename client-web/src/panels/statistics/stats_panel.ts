@@ -1,5 +1,6 @@
 // What the stream does, in figures: rate and delay, where a frame's time goes, rays, progress at rest, devices.
 
+import { autopilotRows, autopilotTitle } from './autopilot_rows.js';
 import { BarList } from './bar_list.js';
 import { FrameChart } from './chart.js';
 import { FrameTimeline } from './frame_timeline.js';
@@ -8,7 +9,7 @@ import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from '../../page/dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from '../../page/format.js';
 import { Window } from '../../picture/latency.js';
-import { forecastText } from '../../picture/forecast_text.js';
+import { forecastText, refinedText } from '../../picture/forecast_text.js';
 import { waitText } from '../../picture/time_left.js';
 import { frameSizeText } from '../../picture/resolution.js';
 import type { Panel } from '../panel.js';
@@ -84,6 +85,9 @@ export class StatsPanel {
   private readonly progress_ = el('progress', { max: 1, value: 0, 'aria-label': 'Samples so far' });
   private readonly error_ = el('span', { class: 'figure' });
   private readonly forecast_ = el('p', { class: 'forecast muted', hidden: true });
+  private readonly hurry_ = new BarList();
+  private readonly hurryTitle_ = el('h3', {});
+  private readonly hurrySection_ = el('section', { class: 'stats-section hurry', hidden: true }, this.hurryTitle_, this.hurry_.element);
   private readonly stages_ = new BarList();
   private readonly timeline_ = new FrameTimeline();
   private readonly rayList_ = new BarList();
@@ -110,6 +114,7 @@ export class StatsPanel {
         line('Relative error', this.error_),
         this.forecast_,
       ),
+      this.hurrySection_,
       section('Time of a frame', this.stages_.element),
       section('Where the time went, frame by frame', this.timeline_.element),
       section('Rays of the last pass', this.rayList_.element),
@@ -128,6 +133,7 @@ export class StatsPanel {
     this.refreshFigures(rate);
     this.chart_.draw(this.viewer_.stream.frameIntervals.values);
     this.refreshSamples();
+    this.refreshHurry();
     this.refreshStages();
     this.timeline_.draw(this.viewer_.stream.trace.frames);
     this.refreshRays(this.viewer_.state.stats?.rays ?? {});
@@ -174,10 +180,21 @@ export class StatsPanel {
     this.progress_.value = target > 0 ? Math.min(1, samples / target) : 0;
     const error = lastFrame?.relativeError ?? 1;
     const reached = lastFrame?.errorReached === true ? ' · target reached' : '';
-    setText(this.error_, error >= 1 ? UNKNOWN : percent(error) + reached);
+    setText(this.error_, error >= 1 ? UNKNOWN : percent(error) + (reached || refinedText(lastFrame?.final ?? true, stats?.refined ?? 1)));
     const ahead = lastFrame?.moving === false ? forecastText(stats?.forecast ?? null, !lastFrame.final, target) : '';
     setText(this.forecast_, ahead);
     this.forecast_.hidden = ahead === '';
+  }
+
+  /** What is left out for the time budget. */
+  private refreshHurry(): void {
+    const autopilot = this.viewer_.state.stats?.autopilot ?? null;
+    this.hurrySection_.hidden = autopilot === null;
+    setText(this.hurryTitle_, autopilotTitle(autopilot));
+    const labels = this.viewer_.settings.rows;
+    const rows = autopilotRows(autopilot, (setting) => labels.find(({ name }) => name === setting)?.label ?? setting);
+    this.hurry_.keep(rows.map(([name]) => name));
+    for (const [name, row] of rows) this.hurry_.row(name, row);
   }
 
   private refreshStages(): void {

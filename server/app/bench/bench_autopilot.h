@@ -1,0 +1,23 @@
+#pragma once
+// `heliograph bench autopilot`: whether pictures of a moving view hold a time budget, and what they do without for it.
+
+#include "server/app/scene_options.h"
+
+#include <functional>
+#include <iosfwd>
+
+namespace heliograph {
+
+struct BenchAutopilotOptions : SceneOptions {
+    BenchAutopilotOptions() { size = "1280x720"; }
+    std::vector<std::string> scenes{"courtyard", "cathedral", "glass"};
+    double budget = 33.0;  // ms
+    int64_t frames = 120;  // of a flight
+};
+
+/// Prints its result and returns the exit code. Throws InputError before any work if an argument is bad.
+int runBenchAutopilot(const BenchAutopilotOptions& options, std::ostream& out);
+/// Declares the command below `bench`; when it was given, `run` runs it.
+void addBenchAutopilot(CLI::App& bench, std::function<int()>& run);
+
+}  // namespace heliograph
