@@ -1,6 +1,7 @@
 // Cases 18, 25, 30, 31, 32, 34 and 35: single functions of the kernel and the film against formulas in more digits.
 
 #include "server/film/film.h"
+#include "server/scene/kernel_tables.h"
 #include "tests/hard/cases.h"
 #include "tests/hard/exact.h"
 #include "tests/hard/tracer.h"
@@ -98,7 +99,60 @@ void textureCoordinates(Run& run) {
     }
 }
 
+namespace {
+
+/// An image that is even but for one texel of the first row, at the pole, and one in its middle.
+std::shared_ptr<const Scene> skyWithBrightPole() {
+    SceneBuilder builder("sky");
+    ImageData image;
+    image.width = 64, image.height = 32;
+    for (uint32_t i = 0; i < image.width * image.height; i++) {
+        const float bright = i == 5 ? 4000.0f : i == 16 * 64 + 9 ? 300.0f : 0.2f + 0.01f * float(i % 64);
+        image.rgb32f.insert(image.rgb32f.end(), 3, bright);
+    }
+    builder.setEnvironmentImage(builder.addImage(image));
+    builder.addInstance(builder.addMesh(test::icosphere(0)), mat4(1.0f));
+    return builder.finish();
+}
+
+/// The table by which directions are chosen: its densities add up to 1, and 1 / density is 4 pi in the mean.
+void environmentDensities(Run& run) {
+    const auto scene = skyWithBrightPole();
+    EveryKernel kernel = test::bareKernel();
+    kernel.scene = sceneView(*scene);
+    const Environment& e = scene->environment;
+    if (e.lightColumns == 0) throw std::logic_error("the sky of case 31 has no table");
+    double sum = 0.0, naive = 0.0;
+    const double across = 2.0 * test::EXACT_PI / e.lightColumns, down = test::EXACT_PI / e.lightRows;
+    for (uint32_t y = 0; y < e.lightRows; y++) {
+        for (uint32_t x = 0; x < e.lightColumns; x++) {
+            const double polar = (y + 0.5) * down, turn = ((x + 0.5) / e.lightColumns - 0.5) * 2.0 * test::EXACT_PI;
+            const vec3 d(glm::dvec3(std::sin(polar) * std::sin(turn), std::cos(polar), -std::sin(polar) * std::cos(turn)));
+            const double density = double(kernel.environmentDensity(d));
+            sum += density * across * (std::cos(y * down) - std::cos((y + 1) * down));
+            naive += density * across * down;  // as if rows were of one size
+        }
+    }
+    run.most(column::OWN, "sum of densities off 1", std::fabs(sum - 1.0), 1e-4, uint64_t(e.lightColumns) * e.lightRows);
+    run.most(column::NAIVE, "sum of densities off 1", std::fabs(naive - 1.0), 1e-4, uint64_t(e.lightColumns) * e.lightRows);
+    double solidAngle = 0.0;
+    const uint32_t n = 1u << 22;
+    for (uint32_t i = 0; i < n; i++) {
+        const auto place = kernel.environmentPlaceAt(kernel.lightNumbers(uvec2(i >> 12, 3u), 0u, 0u, i & 4095u));
+        solidAngle += 1.0 / double(place.density);
+        const double other = double(kernel.environmentDensity(place.direction));
+        run.rate(column::OWN, "chosen with another density than asked", std::fabs(other / double(place.density) - 1.0) > 1e-3,
+                 1,
+                 1e-3);  // at borders of cells, which round
+    }
+    run.most(column::OWN, "solid angle of the sphere, relative", std::fabs(solidAngle / n / (4.0 * test::EXACT_PI) - 1.0), 1e-3,
+             n);
+}
+
+}  // namespace
+
 void environmentPoles(Run& run) {
+    environmentDensities(run);
     EveryKernel kernel = test::bareKernel();
     Environment environment{};
     kernel.scene.environment = &environment;
@@ -146,7 +200,39 @@ bool refuses(float fieldOfView) {
 
 }  // namespace
 
+namespace {
+
+/// Pictures a thousand times as wide as high, and as high as wide.
+void thinPictures(Run& run) {
+    EveryKernel kernel = test::bareKernel();
+    Random random(321);
+    for (uvec2 size : {uvec2(8000, 8), uvec2(8, 8000)}) {
+        for (float degrees : {0.01f, 60.0f, 179.0f}) {
+            Camera camera;
+            camera.forward = random.direction();
+            camera.up = random.direction();
+            camera.fieldOfView = degrees;
+            camera = checkedCamera(camera);
+            kernel.frame.camera = kernelCamera(camera, size);
+            kernel.frame.resolution = size;
+            for (int i = 0; i < 8000; i++) {
+                const uint32_t x = random.below(size.x), y = random.below(size.y);
+                const glm::dvec3 exact = test::rayThrough(camera, size, x, y);
+                const double pixel = glm::length(test::rayThrough(camera, size, x + 1, y) - exact);
+                const double off = glm::length(glm::dvec3(kernel.cameraDirection(float(x) + 0.5f, float(y) + 0.5f)) - exact);
+                run.rate(column::OWN, "directions of 1:1000 that are no unit vectors", !(std::isfinite(off) && off < 0.5), 1,
+                         0.0);
+                // What float holds of a direction, where pixels lie closer than that.
+                run.most(column::OWN, "off at 1:1000 / (pixel / 1000 + 2 ulp)", off / (1e-3 * pixel + 0x1p-22), 1.0, 1);
+            }
+        }
+    }
+}
+
+}  // namespace
+
 void fieldOfView(Run& run) {
+    thinPictures(run);
     EveryKernel kernel = test::bareKernel();
     const uvec2 size(1920, 1080);
     Random random(32);
@@ -212,7 +298,38 @@ void accumulation(Run& run) {
     }
 }
 
+namespace {
+
+/// Slope of the variance of a mean over 64 pixels against the number of samples, both as logarithms; least squares.
+double slopeOfVariance(EveryKernel& kernel, int least, int most) {
+    double sx = 0, sy = 0, sxx = 0, sxy = 0;
+    int n = 0;
+    for (int k = least; k <= most; k += 2, n++) {
+        double sum = 0.0, squares = 0.0;
+        for (uint32_t pixel = 0; pixel < 64; pixel++) {
+            double mean = 0.0;
+            for (uint32_t i = 0; i < 1u << k; i++) {
+                const vec4 u = kernel.lightNumbers(uvec2(pixel % 8, pixel / 8), 0u, 0u, i);
+                mean += double(u.x) * double(u.y) > 0.3 ? 1.0 : 0.0;  // an edge across both numbers
+            }
+            mean = std::ldexp(mean, -k);
+            sum += mean, squares += mean * mean;
+        }
+        const double x = k * std::log(2.0), y = std::log(std::max(squares / 64 - sum / 64 * (sum / 64), 1e-300));
+        sx += x, sy += y, sxx += x * x, sxy += x * y;
+    }
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+}  // namespace
+
 void sampler(Run& run) {
+    {
+        EveryKernel kernel = test::bareKernel();
+        kernel.frame.seed = 1;
+        run.most(column::OWN, "slope of the variance + 1", slopeOfVariance(kernel, 6, run.plan().nightly ? 20 : 16) + 1.0, 0.05,
+                 64);
+    }
     EveryKernel kernel = test::bareKernel();
     // Beyond 2^24 a sample's number is no float any more.
     const uint32_t first = (1u << 24) - 1000;

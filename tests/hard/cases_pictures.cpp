@@ -5,6 +5,9 @@
 #include "tests/hard/painter.h"
 #include "tests/hard/tracer.h"
 
+#include <bit>
+#include <cstring>
+
 namespace heliograph::hard {
 
 namespace {
@@ -91,11 +94,54 @@ void cameraOnSurface(Run& run) {
     }
 }
 
+namespace {
+
+/// A lamp whose radiance is no number, which no file can hold: each sample that sees it is left out and counted, and no other.
+void injected(Run& run, const Painter& painter) {
+    SceneBuilder builder = darkness(vec3(0.5f));
+    const uint32_t lamp = builder.addMaterial(glow(vec3(1.0f)), "lamp");
+    place(builder, panel(vec3(-0.52f, -0.31f, 0), vec3(1, 0, 0), vec3(0, 0.7f, 0), lamp));
+    place(builder, panel(vec3(-3, -3, -2), vec3(6, 0, 0), vec3(0, 6, 0), builder.addMaterial(paint(vec3(0.5f)), "wall")));
+    // Behind the camera: a scene of which nothing glows by a number calls for no emission.
+    place(builder, panel(vec3(0, 0, 9), vec3(1, 0, 0), vec3(0, 1, 0), builder.addMaterial(glow(vec3(0.1f)), "ember")));
+    const auto good = builder.finish();
+    const Camera camera = lookAt(vec3(0, 0, 3), vec3(0.0f));
+    Settings settings;
+    settings.surfaceLights = false;
+    const uint32_t samples = 4;
+    const Picture clean = draw(painter, good, camera, settings, samples);
+    for (float value : {NAN, INFINITY}) {
+        const auto broken = std::make_shared<Scene>(*good);
+        broken->materials[lamp].emission = vec4(vec3(value), 0.0f);
+        broken->contentHash ^= std::bit_cast<uint32_t>(value);
+        const Picture bad = draw(painter, broken, camera, settings, samples);
+        uint64_t lost = 0, broke = 0, changed = 0;
+        for (size_t i = 0; i < bad.pixels.size(); i++) {
+            const vec4 p = bad.pixels[i], q = clean.pixels[i];
+            broke += !(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+            const bool sees = std::fabs(q.x - 1.0f) < 1e-6f;  // all of the lamp
+            lost += sees;
+            const bool border = q.x != clean.pixels[i > 0 ? i - 1 : i].x;
+            changed += !sees && !border && q.x < 0.6f && std::memcmp(&p, &q, sizeof p) != 0;
+        }
+        run.rate(painter.column, "not finite pixels", broke, bad.pixels.size(), 0.0);
+        run.rate(painter.column, "pixels changed that see no such sample", changed, bad.pixels.size(), 0.0);
+        // Pixels on the border see it with some of their samples.
+        const uint64_t counted = bad.stats.nonfiniteSamples, least = lost * samples, most = least + 400 * samples;
+        run.rate(painter.column, "samples that are no numbers and not counted", counted < least ? least - counted : 0, least,
+                 0.0);
+        run.rate(painter.column, "samples counted that are numbers", counted > most ? counted - most : 0, most, 0.0);
+    }
+}
+
+}  // namespace
+
 void containment(Run& run) {
     const float light = 3e38f;
-    run.note("what a file can hold is clamped, so that no sample was no number here: the count itself is not tried");
+    run.note("what a file can hold is clamped; samples that are no numbers were put into a scene by hand");
     run.rate(column::NAIVE, "not finite pixels", !std::isfinite(light + light), 1, 0.0);
     for (const Painter& painter : painters(run)) {
+        injected(run, painter);
         const auto scene = [](float glowing) {
             SceneBuilder builder = darkness(vec3(0.5f));
             Material m = mirror(0.9f);

@@ -34,9 +34,33 @@ MeshData twoInOne(const mat3& turn, bool otherwise) {
     return mesh;
 }
 
+/// The same square twice, the second an ulp of its height nearer to the rays: whoever rounds may err, but never between two.
+void ulpApart(Run& run) {
+    const char* metric = "speckle where squares are an ulp apart";
+    MeshData mesh = test::panel(vec3(-1, -1, 1), vec3(2, 0, 0), vec3(0, 2, 0));
+    MeshData second = mesh;
+    for (vec3& p : second.positions) p.z = std::nextafter(p.z, 2.0f);
+    append(mesh, second);
+    const World world(mesh);
+    for (const auto& tracer : tracersOf(world, run)) {
+        Random random(141);
+        std::vector<Ray> rays;
+        for (uint64_t i = 0; i < run.count(100000, 2000000); i++)
+            rays.push_back(makeRay(vec3(random.real(-0.9f, 0.9f), random.real(-0.9f, 0.9f), 1.0f + random.real(0.1f, 0.9f)),
+                                   vec3(0, 0, -1)));
+        std::vector<Met> met;
+        tracer->trace(rays, met);
+        uint64_t far = 0, missed = 0;
+        for (const Met& m : met) far += m.hit() && m.triangle < 2, missed += !m.hit();
+        run.rate(tracer->column(), metric, std::min(far, rays.size() - far), rays.size(), 0.05);
+        run.rate(tracer->column(), "missed", missed, rays.size(), 0.0);
+    }
+}
+
 }  // namespace
 
 void coplanar(Run& run) {
+    ulpApart(run);
     const char* speckle = "speckle where two squares are cut differently";
     for (const char* judged : {column::OWN, column::EMBREE, column::VULKAN})
         run.known(judged, speckle, 0.5,
