@@ -9,7 +9,8 @@ FOLDERS='
 base
 kernel               base
 scene                base kernel
-scene/build          base kernel scene
+scene/build          base kernel scene scene/media
+scene/media          base kernel scene scene/build
 scene/generate       base kernel scene scene/build
 images               base
 images/module        images

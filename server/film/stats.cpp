@@ -38,6 +38,8 @@ nlohmann::ordered_json toJson(const RayCounts& rays) {
     for (size_t kind = 0; kind < rays.by.size(); kind++) json[RAY_WORDS[kind]] = rays.by[kind];
     json["total"] = rays.total();
     json["untraceable"] = rays.untraceable;
+    json["media_underflows"] = rays.mediaUnderflows;
+    json["media_overflows"] = rays.mediaOverflows;
     return json;
 }
 

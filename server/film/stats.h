@@ -29,7 +29,7 @@ struct FrameSummary {
 /// `milliseconds`: one value a frame. All 0 for no frames.
 FrameSummary summarize(std::span<const double> milliseconds);
 
-/// {primary, shadow, ambient_occlusion, reflection, refraction, total}
+/// {primary, shadow, ambient_occlusion, reflection, refraction, total, untraceable, media_underflows, media_overflows}
 nlohmann::ordered_json toJson(const RayCounts& rays);
 
 }  // namespace heliograph

@@ -37,7 +37,9 @@ static_assert(std::size(RAY_WORDS) == static_cast<size_t>(RayKind::count));
 /// Rays asked for, by kind.
 struct RayCounts {
     std::array<uint64_t, static_cast<size_t>(RayKind::count)> by{};
-    uint64_t untraceable = 0;  // of them: not traced, as they leave float in some instance's space; should be 0
+    uint64_t untraceable = 0;      // of them: not traced, as they leave float in some instance's space; should be 0
+    uint64_t mediaUnderflows = 0;  // of them: left a body that they never entered, as it is open or turned inside out
+    uint64_t mediaOverflows = 0;   // of them: in more bodies, or through more of their walls in a row, than a path can tell
     uint64_t& operator[](RayKind kind) { return by[static_cast<size_t>(kind)]; }
     uint64_t operator[](RayKind kind) const { return by[static_cast<size_t>(kind)]; }
     uint64_t total() const {
@@ -48,6 +50,8 @@ struct RayCounts {
     void add(const RayCounts& other) {
         for (size_t i = 0; i < by.size(); i++) by[i] += other.by[i];
         untraceable += other.untraceable;
+        mediaUnderflows += other.mediaUnderflows;
+        mediaOverflows += other.mediaOverflows;
     }
 };
 

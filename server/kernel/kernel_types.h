@@ -30,7 +30,7 @@ static_assert(sizeof(VertexAttributes) == 32 && offsetof(VertexAttributes, color
 static_assert(sizeof(Mesh) == 32);
 static_assert(sizeof(Instance) == 112 && offsetof(Instance, mesh) == 96);
 static_assert(sizeof(Material) == 160 && offsetof(Material, metallic) == 80 && offsetof(Material, flags) == 112 &&
-              offsetof(Material, occlusionTexture) == 144);
+              offsetof(Material, occlusionTexture) == 144 && offsetof(Material, priority) == 156);
 static_assert(sizeof(TextureSlot) == 48 && offsetof(TextureSlot, image) == 24);
 static_assert(sizeof(Image) == 16 && sizeof(ImageLevel) == 16);
 static_assert(sizeof(Light) == 80 && offsetof(Light, intensity) == 32 && offsetof(Light, edge) == 64);

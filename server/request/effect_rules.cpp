@@ -308,6 +308,21 @@ Finding absorption(const Usage& usage) {
     });
 }
 
+Finding nestedMedia(const Usage& usage) {
+    if (usage.scene.nestedBodies == 0) return {false, "no bodies of two media touch"};
+    std::vector<std::pair<uint32_t, std::string>> media;
+    for (size_t m = 0; m < usage.scene.materials.size(); m++) {
+        const uint32_t medium = usage.scene.materials[m].medium;
+        if (medium != 0 && usage.trianglesOf[m] > 0) media.push_back({medium, usage.scene.materialNames[m]});
+    }
+    std::ranges::stable_sort(media, std::greater(), &std::pair<uint32_t, std::string>::first);
+    constexpr size_t NAMED = 4;
+    std::string names;
+    for (size_t i = 0; i < std::min(media.size(), NAMED); i++) names += (i == 0 ? "" : " over ") + media[i].second;
+    if (media.size() > NAMED) names += " over ...";
+    return {true, withThousands(usage.scene.nestedBodies) + " bodies that touch or stand in each other: " + names};
+}
+
 Finding textures(const Usage& usage) { return byItsMaterial(usage, "no material has a texture", hasTexture); }
 Finding normalMaps(const Usage& usage) { return byItsMaterial(usage, "no normal or bump image", bumpy); }
 

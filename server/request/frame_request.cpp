@@ -1,5 +1,7 @@
 #include "server/request/frame_request.h"
 
+#include "server/scene/media_at.h"
+
 #include <algorithm>
 
 namespace heliograph {
@@ -12,6 +14,10 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.lightCount = static_cast<uint32_t>(scene.lights.size());
     constants.aoDistance = request.settings.aoRadius * scene.aoRadius;
     constants.cameraBefore = kernelCamera(request.previousCamera.value_or(request.camera), request.resolution);
+    if (request.effects.has(EFFECT_NESTED_MEDIA)) {
+        constants.camera.media = mediaAt(scene, constants.camera.origin);
+        constants.cameraBefore.media = mediaAt(scene, constants.cameraBefore.origin);
+    }
     constants.fogRadius = scene.bounds.radius();
     constants.fogCenter = scene.bounds.empty() ? vec3(0.0f) : scene.bounds.center();
     constants.rayReach = scene.rayReach();

@@ -92,6 +92,8 @@ public:
     Variants variants;
     std::vector<FileExtension> extensions;  // of its format, as the file lists them
     Bounds bounds;                          // world space
+    uint32_t nestedBodies = 0;              // bodies that touch another by their boxes, if there are several media
+    std::vector<Bounds> bodyBounds;         // of all bodies, in the world, where some are nested
     float aoRadius = 1.0f;                  // metres: what aoRadius = 1 means in this scene
     float exposure = 0.0f;                  // EV that suits the scene, added to the viewer's
     uint64_t contentHash = 0;               // of every array above

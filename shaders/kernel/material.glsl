@@ -126,7 +126,8 @@ void applyTextures(INOUT(Shading) r, INOUT(float) metallic, IN(Surface) s) {
     }
 }
 
-Shading shadingAt(IN(Surface) s) {
+// `ior`: index of the inner side over that of the outer.
+Shading shadingWith(IN(Surface) s, float ior) {
     Shading r;
     r.flags = MATERIAL(s.material, flags);
     r.roughness = MATERIAL(s.material, roughness);
@@ -141,7 +142,7 @@ Shading shadingAt(IN(Surface) s) {
     r.occlusion = 1.0f;
     vec4 base = baseColorAt(s, r.flags);
     if (HAS(EFFECT_TEXTURES)) applyTextures(r, metallic, s);
-    r.ior = MATERIAL(s.material, ior);
+    r.ior = ior;
     r.mirror = MATERIAL(s.material, mirror);
     r.alpha = 1.0f;
     if (HAS(EFFECT_ALPHA_BLEND)) r.alpha = SELECT((r.flags & MATERIAL_ALPHA_BLEND) != 0u, saturate(base.w), 1.0f);
@@ -179,6 +180,9 @@ Shading shadingAt(IN(Surface) s) {
     r.gain = vec3(1.0f, 1.0f, 1.0f);
     return r;
 }
+
+// The same of a body in air.
+Shading shadingAt(IN(Surface) s) { return shadingWith(s, MATERIAL(s.material, ior)); }
 
 // Completes what depends on where a surface is seen from (wo, unit): the specular lobe's albedo, with the light that bounces
 // between facets given back (Kulla & Conty, "Revisiting Physically Based Shading at Imageworks", 2017, as scaled by Turquin,

@@ -8,6 +8,7 @@
 #include "effects/glossy_reflections.glsl"
 #include "effects/indirect_light.glsl"
 #include "effects/sampled_lights.glsl"
+#include "effects/nested_media.glsl"
 
 UINT_CONSTANT(RAY_PRIMARY, 0u)
 UINT_CONSTANT(RAY_REFLECTION, 1u)
@@ -30,7 +31,7 @@ struct PathState {
     vec3 throughput;    // weight in the pixel
     uint depth;         // reflections | refractions << 8 | alpha layers << 16 | DIFFUSED | ray kind << 24 | diffuse
                         // bounces << 26
-    uint medium;        // material the ray travels in + 1, 0 = air
+    uint medium;        // material the ray travels in + 1, 0 = air; with nested media as effects/nested_media.glsl has it
     uint salt;          // tells the vertices of one sample apart, for random numbers
     float lobe;         // > 0: density with which its direction was chosen, per steradian, where rays to sampled lights share
                         // its light, else FLOAT_MAX; < 0: minus the roughness of the lobe that a mirror ray stands for
@@ -61,6 +62,7 @@ PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
     p.coneSpread = (0.70710678f * FRAME.camera.pixelSpread) * (1.0f + turn * (0.65657f + turn * 0.34343f));
     p.depth = RAY_PRIMARY << 24;
     p.medium = 0u;
+    if (HAS(EFFECT_NESTED_MEDIA)) p.medium = FRAME.camera.media;
     p.salt = 0u;
     p.lobe = FLOAT_MAX;
     p.way = 0.0f;
@@ -68,7 +70,10 @@ PathState startSample(uvec2 pixel, UNIFORM_UINT sampleIndex) {
 }
 
 // How far a path that has met nothing goes through air.
-float airOfMiss(IN(PathState) p) { return SELECT(p.medium == 0u, FLOAT_MAX, 0.0f); }
+float airOfMiss(IN(PathState) p) {
+    if (HAS(EFFECT_NESTED_MEDIA)) return SELECT(highestMedium(p.medium) == 0u, FLOAT_MAX, 0.0f);
+    return SELECT(p.medium == 0u, FLOAT_MAX, 0.0f);
+}
 
 // The surroundings as the path sees them.
 vec3 skyRadiance(IN(PathState) p) {
@@ -113,15 +118,27 @@ vec3 mediumTransmittance(uint medium, IN(Surface) s) {
     return one;
 }
 
+// The same where bodies stand in each other: what a way through them leaves.
+vec3 mediaTransmittance(uint media, float distance) {
+    vec3 one = vec3(1.0f, 1.0f, 1.0f);
+    if (!HAS(EFFECT_ABSORPTION)) return one;
+    bool some = highestMedium(media) != 0u;
+    if (ANY(some)) one = SELECT(some, absorbed(materialOfMedia(media), max(distance, 0.0f)), one);
+    return one;
+}
+
 // How far the path has come through air, not through a body; metres.
 float airBefore(IN(PathState) p, IN(Surface) s) {
+    if (HAS(EFFECT_NESTED_MEDIA)) return SELECT(highestMedium(crossingAt(p.medium, s).before) != 0u, 0.0f, max(s.distance, 0.0f));
     bool inBody = p.medium != 0u || (s.side < 0.0f && (MATERIAL(s.material, flags) & MATERIAL_VOLUME) != 0u);
     return SELECT(inBody, 0.0f, max(s.distance, 0.0f));
 }
 
 // What the path's way to the surface leaves of its weight.
 vec3 arrivingThroughput(IN(PathState) p, IN(Surface) s) {
-    vec3 left = p.throughput * mediumTransmittance(p.medium, s);
+    vec3 left = p.throughput;
+    if (HAS(EFFECT_NESTED_MEDIA)) left = left * mediaTransmittance(crossingAt(p.medium, s).before, s.distance);
+    else left = left * mediumTransmittance(p.medium, s);
     if (HAS(EFFECT_FOG)) left = left * fogTransmittance(p.origin, p.direction, airBefore(p, s));
     return left;
 }

@@ -105,9 +105,9 @@ struct Material {
     uint transmissionTexture;  // red channel
     uint specularTexture;      // MTL map_Ks
     uint occlusionTexture;     // red channel: share of the ambient light that arrives
-    uint pad0;
-    uint pad1;
-    uint pad2;
+    uint medium;         // number of the medium inside, 1 to 127, the greater one wins where bodies overlap; 0: none
+    uint mediumMaterial; // of material i: the one that stands for the medium i + 1. Both SceneBuilder's
+    int priority;        // of its bodies over others, as the file says
 };
 
 // A texture as a material uses it: image, uv set and KHR_texture_transform. 48 bytes.
@@ -195,7 +195,7 @@ struct KernelCamera {
     vec3 origin;
     float pixelSpread;  // angle between neighbouring pixels, radians
     vec3 forward;       // unit
-    float pad0;
+    uint media;         // bodies in which it stands, as effects/nested_media.glsl has them
     vec3 right;         // scaled by tan(fov/2) * aspect
     float pad1;
     vec3 up;            // scaled by tan(fov/2)

@@ -41,12 +41,14 @@ struct TraceTile {
 };
 
 // Counts of a tile: rays by kind, samples that are not finite, paths that the program for the first surface alone ended, rays that
-// no instance could be tested with.
+// no instance could be tested with, paths that left a body without having entered it, paths in more bodies than they can tell.
 #define RAY_KIND(number, NAME, name, word) UINT_CONSTANT(COUNT_##NAME, number)
 #include "shaders/kernel/ray_table.glsl"
 UINT_CONSTANT(COUNT_NONFINITE, 5u)
 UINT_CONSTANT(COUNT_CUT_OFF, 6u)
 UINT_CONSTANT(COUNT_UNTRACEABLE, 7u)
-UINT_CONSTANT(COUNTS_PER_TILE, 8u)
+UINT_CONSTANT(COUNT_MEDIA_UNDERFLOW, 8u)
+UINT_CONSTANT(COUNT_MEDIA_OVERFLOW, 9u)
+UINT_CONSTANT(COUNTS_PER_TILE, 10u)
 
 #endif

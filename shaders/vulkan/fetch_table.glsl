@@ -45,6 +45,8 @@ FETCH_UINT(Material, opacityTexture, 8u, y)
 FETCH_UINT(Material, transmissionTexture, 8u, z)
 FETCH_UINT(Material, specularTexture, 8u, w)
 FETCH_UINT(Material, occlusionTexture, 9u, x)
+FETCH_UINT(Material, medium, 9u, y)
+FETCH_UINT(Material, mediumMaterial, 9u, z)
 
 UINT_CONSTANT(ROWS_TextureSlot, 3u)
 FETCH_ROW(TextureSlot, transform, 0u)

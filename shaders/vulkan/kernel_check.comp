@@ -21,7 +21,9 @@ void main() {
     Arrival a = arrive(pixel, 3u, path, hit, radiance);
     for (uint ray = 0u; ray < raysFromSurface(0u, 1u) + fogRays(); ray++) {
         ShadowRay shadow = rayToLight(0u, ray, raysFromSurface(0u, 1u), 3u, pixel, path, a);
-        radiance += shadow.contribution * surfaceTransmittance(a.surface, shadow.ray.direction) * airOfMiss(path);
+        uint media = a.media;
+        radiance += shadow.contribution * mediaThrough(a.surface, shadow.ray.direction, media) * airOfMiss(path);
+        radiance *= mediaToLight(media, float(a.mediaLost));
     }
     vec3 tangent;
     vec3 bitangent;

@@ -26,9 +26,11 @@ layout(push_constant) uniform Batch {
 #define RAY_KIND(number, NAME, name, word) uint name##Rays = 0u;
 #include "kernel/ray_table.glsl"
 uint cutOff = 0u;  // paths that FIRST_SURFACE ended
+uint mediaUnderflows = 0u;
+uint mediaOverflows = 0u;
 
-// Share of the light that gets through the transparent surfaces on a shadow ray's way, nearest first.
-vec3 transmittance(Ray ray) {
+// Share of the light that gets through the transparent surfaces on a shadow ray's way, nearest first. `media`: where it begins.
+vec3 transmittance(Ray ray, uint media) {
     vec3 origin = ray.origin;
     float left = ray.tMax;
     vec3 through = vec3(1.0f);
@@ -36,9 +38,9 @@ vec3 transmittance(Ray ray) {
         Hit hit;
         traverse(origin, ray.direction, left, TRACE_TRANSPARENT, hit);
         shadowRays++;
-        if (hit.instance == NO_INDEX) return through;
+        if (hit.instance == NO_INDEX) return through * mediaToLight(media, left);
         Surface s = surfaceAt(origin, ray.direction, 0.0f, 0.0f, hit);
-        through = through * surfaceTransmittance(s, ray.direction);
+        through = through * mediaThrough(s, ray.direction, media);
         if (!(maxComponent(through) > 0.0f)) return vec3(0.0f);
         left = left - s.distance;
         if (!(left > 0.0f)) return through;
@@ -93,7 +95,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
         }
         if ((found & FOUND_TRANSPARENT) != 0u) {
             if (!HAS(EFFECT_TRANSPARENT_SHADOWS)) continue;  // as if opaque
-            r.contribution = r.contribution * transmittance(r.ray);
+            r.contribution = r.contribution * transmittance(r.ray, a.media);
         }
         radiance = radiance + r.contribution;
     }
@@ -117,10 +119,15 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
                 Arrival none;
                 none.occlusion = false;
                 none.air = airOfMiss(p);
+                none.media = p.medium;
                 gatherLight(pixel, sampleIndex, p, 0u, none, radiance);
             }
         } else {
             Arrival a = arrive(pixel, sampleIndex, p, hit, radiance);
+            if (HAS(EFFECT_NESTED_MEDIA)) {
+                if ((a.mediaLost & MEDIA_UNDERFLOW) != 0u) mediaUnderflows++;
+                if ((a.mediaLost & MEDIA_OVERFLOW) != 0u) mediaOverflows++;
+            }
             if (FIRST_SURFACE) {
                 if (a.next != 0u) cutOff++;
             } else {
@@ -182,4 +189,8 @@ void main() {
     addCount(tileIndex, COUNT_NONFINITE, nonfinite);
     if (FIRST_SURFACE) addCount(tileIndex, COUNT_CUT_OFF, cutOff);
     addCount(tileIndex, COUNT_UNTRACEABLE, untraceableRays);
+    if (HAS(EFFECT_NESTED_MEDIA)) {
+        addCount(tileIndex, COUNT_MEDIA_UNDERFLOW, mediaUnderflows);
+        addCount(tileIndex, COUNT_MEDIA_OVERFLOW, mediaOverflows);
+    }
 }

@@ -33,6 +33,7 @@ void accumulation(Run& run);
 void sampler(Run& run);
 void indexNearOne(Run& run);
 void slabEnergy(Run& run);
+void nestedGlass(Run& run);
 void absorption(Run& run);
 void parallelMirrors(Run& run);
 void furnace(Run& run);

@@ -19,8 +19,8 @@ constexpr float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
 inline EveryKernel bareKernel() {
     EveryKernel kernel{};
     kernel.scene.sobol = kernelTable().data();
-    kernel.frame.effects =
-        ~uint32_t(EFFECT_FILTERED_ENVIRONMENT | EFFECT_ENVIRONMENT_LIGHT | EFFECT_SURFACE_LIGHTS | EFFECT_PATH);
+    kernel.frame.effects = ~uint32_t(EFFECT_FILTERED_ENVIRONMENT | EFFECT_ENVIRONMENT_LIGHT | EFFECT_SURFACE_LIGHTS |
+                                     EFFECT_PATH | EFFECT_NESTED_MEDIA);
     return kernel;
 }
 

@@ -168,6 +168,8 @@ private:
         program.render(job);
         for (size_t kind = 0; kind < result.rays.by.size(); kind++) result.rays.by[kind] = job.rays[kind];
         result.rays.untraceable = job.untraceableRays;
+        result.rays.mediaUnderflows = job.mediaUnderflows;
+        result.rays.mediaOverflows = job.mediaOverflows;
         result.nonfiniteSamples = job.nonfiniteSamples;
     }
 

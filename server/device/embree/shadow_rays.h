@@ -17,13 +17,16 @@ public:
     /// Empties the queues and makes room for all rays of `points` points.
     void begin(uint32_t points) {
         for (uint32_t l = 0; l < kernel_.allLights(); l++)
-            arena_.shadows[l]->reserve(points * (kernel_.lightSamples(l) + kernel_.fogRaysTo(l)));
+            arena_.shadows[l]->reserve(points * (kernel_.lightSamples(l) + kernel_.fogRaysTo(l)), NESTS);
     }
 
-    /// Queues the rays of a group that would add something.
-    HELIOGRAPH_INLINE void push(uint32_t light, const Group& g, const typename KernelType::ShadowRay& shadow) {
+    /// Queues the rays of a group that would add something. `media`: the bodies in which they begin.
+    HELIOGRAPH_INLINE void push(uint32_t light, const Group& g, const typename KernelType::ShadowRay& shadow, Uint media) {
         uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
-        if (bits) push(*arena_.shadows[light], g, bits, shadow.ray, shadow.contribution);
+        if (!bits) return;
+        ShadowQueue& queue = *arena_.shadows[light];
+        if constexpr (NESTS) pushMedia(queue, bits, media);
+        push(queue, g, bits, shadow.ray, shadow.contribution);
     }
 
     /// Traces what is queued. `width` as TraceMode has it; `fromEye`: the points were met by the camera's rays.
@@ -32,6 +35,12 @@ public:
     }
 
 private:
+    static constexpr bool NESTS = (EFFECTS & EFFECT_NESTED_MEDIA) != 0;
+
+    HELIOGRAPH_INLINE void pushMedia(ShadowQueue& queue, uint32_t bits, Uint media) {
+        for (uint32_t at = queue.count; bits; bits &= bits - 1) queue.media.data[at++] = media.v[__builtin_ctz(bits)];
+    }
+
     HELIOGRAPH_INLINE void push(ShadowQueue& queue, const Group& g, uint32_t bits, const RayLanes& ray, Vec3 contribution) {
         const uint32_t full = LANES >= 32 ? ~0u : (1u << LANES) - 1u;
         if (bits == full && queue.count % LANES == 0) {
@@ -92,7 +101,8 @@ private:
                 uint32_t lane = queue.lanes.data[first + i];
                 vec3 radiance(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
                               queue.contribution[2].data[first + i]);
-                if (passed >> i & 1u) radiance = radiance * throughTransparent(packet, i);
+                if (passed >> i & 1u)
+                    radiance = radiance * throughTransparent(packet, i, NESTS ? queue.media.data[first + i] : 0);
                 arena_.radiance[0][lane] += radiance.x;
                 arena_.radiance[1][lane] += radiance.y;
                 arena_.radiance[2][lane] += radiance.z;
@@ -100,10 +110,10 @@ private:
         }
     }
 
-    vec3 throughTransparent(const RTCRay16& packet, uint32_t i) {
+    vec3 throughTransparent(const RTCRay16& packet, uint32_t i, uint32_t media) {
         vec3 origin(packet.org_x[i], packet.org_y[i], packet.org_z[i]);
         vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
-        return transparentTransmittance(job_, origin, direction, packet.tfar[i],
+        return transparentTransmittance(job_, origin, direction, packet.tfar[i], media,
                                         job_.rays[static_cast<size_t>(RayKind::shadow)]);
     }
 

@@ -120,14 +120,16 @@ struct ShadowQueue {
     Buffer<RTCRay16> packets;
     Buffer<uint16_t> lanes;
     Buffer<float> contribution[3];
+    Buffer<uint32_t> media;  // bodies in which the rays begin; only where bodies may nest
     uint32_t count = 0;
-    void reserve(uint32_t rays) {
+    void reserve(uint32_t rays, bool nests) {
         uint32_t rounded = (rays + PACKET - 1) / PACKET * PACKET;
         if (rounded / PACKET > packets.capacity) {
             packets.reserve(rounded / PACKET);
             for (uint32_t i = 0; i < packets.capacity; i++) setConstants(packets.data[i]);
         }
         lanes.reserve(rounded);
+        if (nests) media.reserve(rounded);
         for (Buffer<float>& c : contribution) c.reserve(rounded);
         count = 0;
     }

@@ -30,6 +30,8 @@ struct TileJob {
     uint64_t rays[static_cast<size_t>(RayKind::count)] = {};
     uint64_t untraceableRays = 0;
     uint64_t nonfiniteSamples = 0;
+    uint64_t mediaUnderflows = 0;  // as RayCounts has them
+    uint64_t mediaOverflows = 0;
 };
 
 /// Renders jobs of one effect set. Not thread safe: each thread owns one.
@@ -55,7 +57,7 @@ struct TileProgramTable {
 };
 
 /// What transparent surfaces leave of the light along a shadow ray that nothing opaque blocks. Walks from surface to
-/// surface, nearest first; adds the rays it needs to `rays`.
-vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint64_t& rays);
+/// surface, nearest first; adds the rays it needs to `rays`. `media`: the bodies in which it begins, with nested media.
+vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint32_t media, uint64_t& rays);
 
 }  // namespace heliograph

@@ -259,10 +259,11 @@ private:
         g.store(arena_.radiance, radiance);
         if (uint32_t bits = laneBits(a.occlusion) & g.mask()) occlusion_.push(g, bits, path, a);
         pushNext(g, a);
+        if constexpr ((EFFECTS & EFFECT_NESTED_MEDIA) != 0) countLost(g, a.mediaLost);
         for (uint32_t l = 0; l < kernel_.allLights(); l++) {
             uint32_t own = kernel_.raysFromSurface(l, 1);
             for (uint32_t i = 0; i < own + kernel_.fogRaysTo(l); i++)
-                shadows_.push(l, g, kernel_.rayToLight(l, i, own, sample_, pixel, path, a));
+                shadows_.push(l, g, kernel_.rayToLight(l, i, own, sample_, pixel, path, a), a.media);
         }
     }
 
@@ -270,7 +271,15 @@ private:
     void pushFog(uint32_t light, const Group& g, const Path& path, Float air) {
         Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
         for (uint32_t i = 0; i < kernel_.fogRays(); i++)
-            shadows_.push(light, g, kernel_.pathFogRay(light, i, sample_, pixel, path, air));
+            shadows_.push(light, g, kernel_.pathFogRay(light, i, sample_, pixel, path, air), path.medium);
+    }
+
+    void countLost(const Group& g, Uint lost) {
+        const auto having = [&](uint32_t bit) {
+            return static_cast<uint32_t>(__builtin_popcount(laneBits((lost & Uint(bit)) != Uint(0u)) & g.mask()));
+        };
+        job_.mediaUnderflows += having(KernelType::MEDIA_UNDERFLOW);
+        job_.mediaOverflows += having(KernelType::MEDIA_OVERFLOW);
     }
 
     HELIOGRAPH_INLINE void pushNext(const Group& g, const Arrival& a) {

@@ -8,7 +8,7 @@ namespace heliograph {
 
 void throwNoMemory() { throw std::bad_alloc(); }
 
-vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint64_t& rays) {
+vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint32_t media, uint64_t& rays) {
     using KernelType = scalar_kernel::Kernel<0xffffffffu>;
     KernelType kernel;
     kernel.scene = *job.view;
@@ -22,9 +22,9 @@ vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, f
         traceClosest(job.rtcScene, packet, 1, {1, false});
         rays++;
         Hit hit = EmbreeScene::hitOf(packet.hit.geomID[0], packet.hit.primID[0], packet.hit.instID[0][0]);
-        if (hit.instance == NO_INDEX) return through;
+        if (hit.instance == NO_INDEX) return through * kernel.mediaToLight(media, left);
         auto surface = kernel.surfaceAt(from, direction, 0.0f, 0.0f, hit);
-        through = through * kernel.surfaceTransmittance(surface, direction);
+        through = through * kernel.mediaThrough(surface, direction, media);
         if (!(kernel.maxComponent(through) > 0.0f)) return vec3(0.0f);
         left -= surface.distance;
         if (!(left > 0.0f)) return through;

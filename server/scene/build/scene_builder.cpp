@@ -11,6 +11,7 @@
 #include "server/scene/build/mesh_prepare.h"
 #include "server/scene/build/scene_checks.h"
 #include "server/scene/build/scene_draft.h"
+#include "server/scene/media/nested_media.h"
 
 #include <tbb/parallel_for.h>
 
@@ -82,9 +83,8 @@ void buildImages(SceneDraft& draft, const Progress& progress) {
     Scene& scene = draft.scene;
     uint64_t texels = 0;
     for (const ImageData& image : draft.images) texels += pyramidTexels(image.width, image.height);
-    if (texels >= NO_INDEX) {
+    if (texels >= NO_INDEX)
         throw InputError(scene.name, std::to_string(texels) + " texels with mip maps", "fewer than 4294967295");
-    }
     scene.texels.reserve(texels);
     const std::vector<bool> weighted = alphaWeightedImages(scene, draft.images.size());
     for (size_t i = 0; i < draft.images.size(); i++) {
@@ -96,8 +96,7 @@ void buildImages(SceneDraft& draft, const Progress& progress) {
 void buildEnvironment(SceneDraft& draft) {
     Environment& environment = draft.scene.environment;
     environment = Environment{};
-    environment.image = NO_INDEX;
-    environment.filtered = NO_INDEX;
+    environment.image = environment.filtered = NO_INDEX;
     environment.intensity = 1.0f;
     if (draft.environmentImage < draft.images.size()) {
         environment.image = draft.environmentImage;
@@ -235,6 +234,7 @@ std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
     report(progress, "geometry", 0.0);
     checkMaterials(draft);
     prepareMeshes(draft);
+    nestMedia(draft);
     report(progress, "geometry", 0.6);
     assembleMeshes(draft, opacityClasses(scene, imagesWithAlpha(draft.images)));
     report(progress, "geometry", 1.0);

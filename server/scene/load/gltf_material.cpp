@@ -29,6 +29,7 @@ public:
         onExtension("KHR_materials_ior", [this](const tinygltf::Value& e) { to_.ior = float(numberOf(e, "ior", 1.5)); });
         onExtension("KHR_materials_transmission", [this](const tinygltf::Value& e) { setTransmission(e); });
         onExtension("KHR_materials_volume", [this](const tinygltf::Value& e) { setVolume(e); });
+        onExtension("HELIOGRAPH_materials_priority", [this](const tinygltf::Value& e) { setPriority(e); });
         onExtension("KHR_materials_unlit", [this](const tinygltf::Value&) { to_.flags |= MATERIAL_UNLIT; });
         return to_;
     }
@@ -125,6 +126,13 @@ private:
             const double share = std::clamp(color[i], DARKEST_ATTENUATION, 1.0f);
             to_.absorption[i] = static_cast<float>(-std::log(share) / distance);
         }
+    }
+
+    /// After the extensions that make it a body.
+    void setPriority(const tinygltf::Value& e) {
+        to_.priority = static_cast<int>(numberOf(e, "priority", 0.0));
+        const bool body = (to_.flags & MATERIAL_VOLUME) != 0 && to_.transmission > 0.0f;
+        if (!body) warn("HELIOGRAPH_materials_priority is of bodies that let light through (KHR_materials_volume): left out");
     }
 
     const tinygltf::Material& from_;

@@ -165,6 +165,7 @@ constexpr JsonRule RULES[] = {
     {"KHR_materials_variants", "mappings", Is::list, -ANY, ANY, "variantMapping"},  // of primitives
     {"variantMapping", "material", Is::index, 0, ANY, "materials", true},
     {"variantMapping", "variants", Is::wholes, 0, ANY, "/extensions/KHR_materials_variants/variants", true},
+    {"HELIOGRAPH_materials_priority", "priority", Is::whole, -1000, 1000, "", true},
     {"EXT_mesh_gpu_instancing", "attributes", Is::indexMap, 0, ANY, "accessors", true},
 };
 // clang-format on

@@ -34,8 +34,9 @@ TEST(Stats, RayCountsAsJson) {
     rays[RayKind::ambientOcclusion] = 3;
     rays[RayKind::reflection] = 4;
     rays[RayKind::refraction] = 5;
-    EXPECT_EQ(toJson(rays).dump(),
-              R"({"primary":1,"shadow":2,"ambient_occlusion":3,"reflection":4,"refraction":5,"total":15,"untraceable":0})");
+    EXPECT_EQ(
+        toJson(rays).dump(),
+        R"({"primary":1,"shadow":2,"ambient_occlusion":3,"reflection":4,"refraction":5,"total":15,"untraceable":0,"media_underflows":0,"media_overflows":0})");
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST(FrameBench, JsonAndCsvHoldTheSameFrames) {
         toJson(result).dump(),
         R"({"scene":"s","device":"d","width":10,"height":5,"frames":2,"ms_mean":20.0,"ms_median":20.0,"ms_p95":29.0,)"
         R"("fps_mean":50.0,"fps_min":33.333333333333336,"mrays_per_s":0.002,)"
-        R"("rays":{"primary":50,"shadow":30,"ambient_occlusion":0,"reflection":0,"refraction":0,"total":80,"untraceable":0}})");
+        R"("rays":{"primary":50,"shadow":30,"ambient_occlusion":0,"reflection":0,"refraction":0,"total":80,"untraceable":0,"media_underflows":0,"media_overflows":0}})");
     EXPECT_EQ(toCsv(result),
               "frame,ms,primary,shadow,ambient_occlusion,reflection,refraction,total\n"
               "0,10,50,0,0,0,0,50\n"

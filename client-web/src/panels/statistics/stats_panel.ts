@@ -253,6 +253,9 @@ export class StatsPanel {
     const bad = stats?.nonfiniteSamples ?? 0;
     const entry = this.fact('Non-finite samples', stats === null ? UNKNOWN : whole(bad));
     entry.classList.toggle('bad', bad > 0);
+    const lost = (stats?.rays['media_underflows'] ?? 0) + (stats?.rays['media_overflows'] ?? 0);
+    const inBodies = this.fact('Lost in bodies', stats === null ? UNKNOWN : whole(lost));
+    inBodies.classList.toggle('bad', lost > 0);
     const scheduler = this.viewer_.settings.confirmed('device') === 'hybrid' ? (stats?.scheduler ?? null) : null;
     for (const [label, text] of schedulerFacts(scheduler)) {
       if (text === null) this.dropFact(label);

@@ -185,6 +185,8 @@ TileResult Batch::result(size_t index, double batchSeconds) const {
     const uint32_t* counts = countsOut_.as<const uint32_t>() + index * COUNTS_PER_TILE;
     for (size_t kind = 0; kind < result.rays.by.size(); kind++) result.rays.by[kind] = counts[kind];
     result.rays.untraceable = counts[COUNT_UNTRACEABLE];
+    result.rays.mediaUnderflows = counts[COUNT_MEDIA_UNDERFLOW];
+    result.rays.mediaOverflows = counts[COUNT_MEDIA_OVERFLOW];
     result.nonfiniteSamples = counts[COUNT_NONFINITE];
     uint64_t samples = pixelsOf(tiles_[index]) * tiles_[index].sampleCount;
     result.seconds = samples_ > 0 ? batchSeconds * static_cast<double>(samples) / static_cast<double>(samples_) : 0.0;

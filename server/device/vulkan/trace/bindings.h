@@ -12,7 +12,7 @@ static_assert(sizeof(TraceTile) == 32 && offsetof(TraceTile, size) == 8 && offse
               offsetof(TraceTile, firstPixel) == 28);
 #define RAY_KIND(number, NAME, name, word) static_assert(number == uint(RayKind::name));
 #include "shaders/kernel/ray_table.glsl"
-static_assert(COUNT_NONFINITE == uint(RayKind::count) && COUNT_UNTRACEABLE < COUNTS_PER_TILE);
+static_assert(COUNT_NONFINITE == uint(RayKind::count) && COUNT_MEDIA_OVERFLOW < COUNTS_PER_TILE);
 
 /// Offsets of a row's components, bytes.
 namespace fetch_component {
