@@ -321,6 +321,14 @@ class FakeViewer {
     return Buffer.concat([header, payload]);
   }
 
+  /** Nine rays of occlusion instead of 25, for any budget. */
+  autopilot() {
+    const budgetMs = this.settings.timeBudget;
+    if (!(budgetMs > 0)) return null;
+    const steps = [{ setting: 'aoSamples', before: '25', after: '9', msWithout: 2 * budgetMs }];
+    return { budgetMs, ms: 0.8 * budgetMs, scale: 1, steps };
+  }
+
   stats() {
     this.say({
       type: 'stats',
@@ -336,6 +344,7 @@ class FakeViewer {
           { error: 0.01, samples: this.settings.samples * 4, seconds: 60 },
         ],
       },
+      autopilot: this.autopilot(),
       rays: {
         primary: 1296000,
         shadow: 2310400,

@@ -36,6 +36,25 @@ async function errorTarget(checks, session) {
   });
 }
 
+async function timeBudget(checks, session) {
+  await checks.check('what is left out for a time budget is listed with what it saves', async () => {
+    const field = session.field('timeBudget').locator('.number-field');
+    const list = session.page.locator('#statistics-panel .hurry');
+    expect(!(await list.isVisible()), 'a list without a budget');
+    await field.fill('50');
+    await field.press('Enter');
+    await until('the list', 8000, () => list.isVisible());
+    const text = await list.innerText();
+    expect(/Time budget 50 ms: 40 ms a picture/i.test(text), text);
+    expect(/AO samples 25 → 9/.test(text) && /100 ms without/.test(text), text);
+    await session.page.screenshot({ path: new URL('../../out/browser/time_budget.png', import.meta.url).pathname });
+    await field.fill('0');
+    await field.press('Enter');
+    await until('no list', 8000, async () => !(await list.isVisible()));
+    await until('all samples', 8000, async () => (await session.state()).lastFrame.final);
+  });
+}
+
 async function errorMap(checks, session) {
   const { page } = session;
   const card = page.getByRole('region', { name: 'Error of each part of the picture' });
@@ -270,6 +289,7 @@ export async function panelChecks(checks) {
     await words(checks, session);
     await forecast(checks, session);
     await errorTarget(checks, session);
+    await timeBudget(checks, session);
     await errorMap(checks, session);
     await numbers(checks, session);
     await keyboard(checks, session);
