@@ -9,7 +9,8 @@ FOLDERS='
 base
 kernel               base
 scene                base kernel
-scene/build          base kernel scene scene/media
+scene/build          base kernel scene scene/light scene/media
+scene/light          base kernel scene scene/build
 scene/media          base kernel scene scene/build
 scene/generate       base kernel scene scene/build
 images               base
@@ -61,7 +62,7 @@ tiny_gltf.h      scene/load
 draco/           scene/load
 meshoptimizer.h  scene/load
 CLI/             app main
-tbb/             scene/build scene/generate scene/load render encode device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
+tbb/             scene/build scene/light scene/generate scene/load render encode device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
 toml++/          operations
 prometheus/      operations
 gtest/           tests

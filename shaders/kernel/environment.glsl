@@ -33,7 +33,7 @@ vec3 environmentRadiance(vec3 d, float spread) {
     return vec3(texel.x, texel.y, texel.z) * ENVIRONMENT.intensity;
 }
 
-// ---- levels that are blurred for rough surfaces (host: scene/build/environment_tables) ----
+// ---- levels that are blurred for rough surfaces (host: scene/light/environment_tables) ----
 
 vec3 filteredLevel(vec2 place, uint level) {
     uvec4 where = IMAGE_LEVEL(IMAGE(ENVIRONMENT.filtered, firstLevel) + level);

@@ -1,6 +1,6 @@
-#include "server/scene/build/environment_tables.h"
+#include "server/scene/light/environment_tables.h"
 
-#include "server/scene/build/alias_table.h"
+#include "server/scene/light/alias_table.h"
 #include "server/scene/build/image_pyramid.h"
 
 #include <tbb/parallel_for.h>

@@ -1,4 +1,4 @@
-#include "server/scene/build/alias_table.h"
+#include "server/scene/light/alias_table.h"
 
 #include <cmath>
 

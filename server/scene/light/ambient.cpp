@@ -1,4 +1,4 @@
-#include "server/scene/build/ambient.h"
+#include "server/scene/light/ambient.h"
 
 #include "server/scene/build/image_pyramid.h"
 

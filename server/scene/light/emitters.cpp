@@ -1,6 +1,6 @@
-#include "server/scene/build/emitters.h"
+#include "server/scene/light/emitters.h"
 
-#include "server/scene/build/alias_table.h"
+#include "server/scene/light/alias_table.h"
 #include "server/scene/build/image_pyramid.h"
 
 #include <bit>
