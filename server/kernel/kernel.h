@@ -26,6 +26,7 @@
 #define IMAGE(i, field) scene.images[i].field
 #define IMAGE_LEVEL(i) uvec4(scene.imageLevels[i].firstTexel, scene.imageLevels[i].width, scene.imageLevels[i].height, 0u)
 #define TEXEL(i) scene.texels[i]
+#define TEXEL_ROW(i) uvec4(scene.texels[i], scene.texels[(i) + 1u], scene.texels[(i) + 2u], scene.texels[(i) + 3u])
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)
 #define SOBOL(i) scene.sobol[i]

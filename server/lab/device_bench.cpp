@@ -14,6 +14,7 @@ constexpr uint32_t WARM_UP = 1;  // repetitions that are not counted: memory is 
 
 Settings primaryAndShadow(Settings settings) {
     settings.shadows = true;
+    settings.manyLights = false;
     settings.reflections = false;
     settings.refractions = false;
     settings.ambientOcclusion = false;

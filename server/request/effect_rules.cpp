@@ -232,6 +232,14 @@ Finding softShadows(const Usage& usage) {
     return {true, counted(static_cast<uint64_t>(wide), "light") + " with an extent"};
 }
 
+Finding manyLights(const Usage& usage) {
+    const Scene& scene = usage.scene;
+    if (scene.environment.lightTreeLevels == 0)
+        return {false, "no more than " + std::to_string(MOST_LISTED_LIGHTS) + " lights have a place"};
+    if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
+    return {true, counted(scene.lights.size() - scene.environment.listedLights, "light") + " with a place"};
+}
+
 Finding transparentShadows(const Usage& usage) {
     Finding light = shadows(usage);
     if (!light.calledFor) return light;

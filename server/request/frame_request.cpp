@@ -11,7 +11,8 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.camera = kernelCamera(request.camera, request.resolution);
     constants.resolution = request.resolution;
     constants.effects = request.effects.bits;
-    constants.lightCount = static_cast<uint32_t>(scene.lights.size());
+    constants.lightCount =
+        request.effects.has(EFFECT_MANY_LIGHTS) ? scene.environment.listedLights : static_cast<uint32_t>(scene.lights.size());
     constants.aoDistance = request.settings.aoRadius * scene.aoRadius;
     constants.cameraBefore = kernelCamera(request.previousCamera.value_or(request.camera), request.resolution);
     if (request.effects.has(EFFECT_NESTED_MEDIA)) {

@@ -36,4 +36,5 @@ EFFECT(26, EFFECT_PATH, path, integrator, 0, none, path, everything, "All bounce
 EFFECT(27, EFFECT_ANISOTROPIC_TEXTURES, anisotropicTextures, textureFilter, 0, none, textures, spread, "Textures that are seen at a flat angle stay sharp across: several samples along the long way.")
 EFFECT(28, EFFECT_OCCLUSION_TEXTURES, occlusionTextures, occlusionTextures, 0, none, occlusionTextures, sharp, "Images say how much ambient light hollows get, where no ray finds that out.")
 EFFECT(29, EFFECT_NESTED_MEDIA, nestedMedia, refractions, 0, none, nestedMedia, everything, "Bodies stand in each other, as water in a glass: light bends by what is on either side, and where they overlap one fills the place.")
+EFFECT(30, EFFECT_MANY_LIGHTS, manyLights, manyLights, 0, none, manyLights, everything, "Of many lights a few are asked from each point, chosen by what they may bring there.")
 #undef EFFECT

@@ -3,6 +3,7 @@
 // Effects that ask for the tables of a scene: what one does not hold is not there (host: scene/build).
 #define HAS_FILTERED (HAS(EFFECT_FILTERED_ENVIRONMENT) && ENVIRONMENT.filtered != NO_INDEX)
 #define HAS_SKY_LIGHT (HAS(EFFECT_ENVIRONMENT_LIGHT) && ENVIRONMENT.lightColumns > 0u)
+#define HAS_MANY_LIGHTS HAS(EFFECT_MANY_LIGHTS)
 #define HAS_LAMPS (HAS(EFFECT_SURFACE_LIGHTS) && ENVIRONMENT.emitterCount > 0u)
 
 // Irradiance / pi for a surface with unit normal n, from order-2 spherical harmonics. Ramamoorthi & Hanrahan, "An

@@ -37,16 +37,17 @@ UNIFORM_UINT shinesFromEye(UNIFORM_UINT index) {
     return 0u;
 }
 
-// Share of a spot light that goes the way against `direction` (unit, towards the light).
-float spotEdge(Light light, vec3 direction) {
+// Share of a spot light along `axis` that goes the way against `direction` (unit, towards the light).
+float edgeOfSpot(vec3 axis, float cosInner, float cosOuter, vec3 direction) {
     // 1 - cosine from the difference of the directions: near 1 a cosine has no digits left for the angle.
-    vec3 between = direction + light.direction;
+    vec3 between = direction + axis;
     float versine = 0.5f * dot(between, between);
-    float outer = 1.0f - light.cosOuter;
-    float fade = light.cosInner - light.cosOuter;
+    float outer = 1.0f - cosOuter;
+    float fade = cosInner - cosOuter;
     float edge = saturate((outer - versine) / max(fade, outer * 1.0e-3f + 1.0e-30f));
     return edge * edge;
 }
+float spotEdge(Light light, vec3 direction) { return edgeOfSpot(light.direction, light.cosInner, light.cosOuter, direction); }
 
 // The light as seen from `point`; one with an extent as the point in its middle.
 LightSample lightAt(UNIFORM_UINT index, vec3 point) {

@@ -2,6 +2,7 @@
 // whitted.glsl states.
 
 #include "effects/soft_shadows.glsl"
+#include "effects/many_lights.glsl"
 #include "effects/fog.glsl"
 #include "effects/motion_blur.glsl"
 #include "effects/depth_of_field.glsl"

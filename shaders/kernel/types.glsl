@@ -182,13 +182,17 @@ struct Environment {
     uint lightRows;
     uint emitterTable;   // 4 words a glowing triangle: threshold, alias, instance, primitive
     uint emitterCount;
-    uint pad0;
-    uint pad1;
-    uint pad2;
+    uint lightTree;        // root of the tree of the scene's many lights (scene/light/light_tree.h): a word of the texels
+    uint lightTreeLevels;  // choices from the root to a light at most; 0: no tree
+    uint listedLights;     // lights before those in the tree: asked one by one
 };
 UINT_CONSTANT(FILTERED_LEVELS, 10u)  // level i of Environment.filtered: the lobe of roughness (i + 1) / FILTERED_LEVELS
 UINT_CONSTANT(LIGHT_TABLE_WORDS, 3u)
 UINT_CONSTANT(EMITTER_TABLE_WORDS, 4u)
+UINT_CONSTANT(MOST_LISTED_LIGHTS, 32u)      // with a place; more stand in a tree
+UINT_CONSTANT(LIGHT_TREE_WIDTH, 8u)         // parts of a node
+UINT_CONSTANT(LIGHT_TREE_WORDS, 12u)        // of a part: ball, cone of directions, strength and what it leads to
+UINT_CONSTANT(LIGHT_TREE_LEAF, 0x80000000u) // the part is one light, whose Light begins at that word
 
 // A pinhole camera, ready for the kernel. Pixel (x, y) looks along forward + sx * right + sy * up, 64 bytes.
 struct KernelCamera {

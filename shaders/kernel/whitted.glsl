@@ -7,68 +7,6 @@
 //                         | arrive: emission, fog, ambient that needs no rays, the paths that go on and estimates of others
 //                         -> raysToLight of each light in order -> ambient that needs rays -> pop
 
-// ---- direct light ----
-
-ShadowRay shadowRayTo(IN(LightSample) light, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
-    ShadowRay r;
-    bool faces = dot(s.geometricNormal, light.direction) > 0.0f || dot(s.normal, light.direction) > 0.0f;
-    vec3 reflected = reflectedLight(m, wo, light.direction) * light.irradiance;
-    r.contribution = throughput * reflected * SELECT(faces, m.alpha, 0.0f);
-    // The smooth surface bulges over its facets: rays start from there, so that facets do not shade themselves.
-    r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal, s.clearance);
-    r.ray.direction = light.direction;
-    r.ray.tMax = SELECT(light.distance < FLOAT_MAX, light.distance * 0.9999f, FLOAT_MAX);
-    if (HAS(EFFECT_FOG)) r.contribution = r.contribution * fogTransmittance(r.ray.origin, light.direction, light.distance);
-    return r;
-}
-
-// The ray to a light, or to the middle of one with an extent.
-ShadowRay lightRay(UNIFORM_UINT index, IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
-    return shadowRayTo(lightAt(index, s.position), s, m, wo, throughput);
-}
-
-// The ray to a place of a sampled light, with what it brings beside the rays that go on from the surface.
-ShadowRay sampledLightRay(UNIFORM_UINT index, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt, IN(Surface) s, IN(Shading) m,
-                          vec3 wo, vec3 throughput, IN(LightShares) shares) {
-    ShadowRay r;
-    LightPlace l;
-    float specularShare = shares.specularFromGlow;
-    vec4 u = lightNumbers(pixel, salt, index, sampleIndex);
-    UNIFORM_UINT sky = 0u;
-    if (HAS_SKY_LIGHT) {
-        if (index == FRAME.lightCount) sky = 1u;
-    }
-    if (HAS_SKY_LIGHT) {
-        if (sky != 0u) {
-            l = environmentPlaceAt(u);
-            specularShare = shares.specularFromSky;
-        }
-    }
-    if (HAS_LAMPS) {
-        if (sky == 0u) l = emitterPlaceAt(u, s.position);
-    }
-    bool faces = dot(s.geometricNormal, l.direction) > 0.0f || dot(s.normal, l.direction) > 0.0f;
-    vec3 reflected = reflectedPlace(m, wo, l, shares, specularShare);
-    r.contribution = throughput * reflected * SELECT(faces, m.alpha, 0.0f);
-    r.ray.origin = offsetRayOrigin(s.shadowPosition, s.geometricNormal, s.clearance);
-    r.ray.direction = l.direction;
-    r.ray.tMax = SELECT(l.distance < FLOAT_MAX, l.distance * 0.9999f, FLOAT_MAX);
-    if (HAS(EFFECT_FOG)) r.contribution = r.contribution * fogTransmittance(r.ray.origin, l.direction, l.distance);
-    return r;
-}
-
-// Ray `ray` of lightSamples(index).
-ShadowRay lightSampleRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt,
-                         IN(Surface) s, IN(Shading) m, vec3 wo, vec3 throughput) {
-    if (HAS(EFFECT_SOFT_SHADOWS)) {
-        if (hasExtent(index) != 0u) {
-            LightSample light = softLightAt(index, shadowPoint(sampleIndex, ray), shadowShift(pixel, salt, index), s.position);
-            return shadowRayTo(light, s, m, wo, throughput * (1.0f / float(int(FRAME.shadowSamples))));
-        }
-    }
-    return lightRay(index, s, m, wo, throughput);
-}
-
 // Whether the surface lets light through without bending or scattering it.
 bool goesStraight(IN(Shading) m) {
     bool thin = (m.flags & MATERIAL_VOLUME) == 0u;
@@ -124,6 +62,10 @@ vec3 mediaToLight(uint media, float left) {
 
 // Ray `ray` of fogRays() from the path's way through `air` metres of air to a light.
 ShadowRay pathFogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, IN(PathState) p, float air) {
+    if (HAS_MANY_LIGHTS) {
+        if (index == FRAME.lightCount)
+            return chosenFogRay(ray, sampleIndex, pixel, p.salt, p.origin, p.direction, p.throughput, air);
+    }
     return fogRay(index, ray, sampleIndex, pixel, p.salt, p.origin, p.direction, p.throughput, air);
 }
 
@@ -326,6 +268,14 @@ UNIFORM_UINT raysFromSurface(UNIFORM_UINT light, UNIFORM_UINT met) {
 // Ray `ray` of raysFromSurface + fogRays to a light. A path that met nothing has only a.air.
 ShadowRay rayToLight(UNIFORM_UINT light, UNIFORM_UINT ray, UNIFORM_UINT fromSurface, UNIFORM_UINT sampleIndex, uvec2 pixel,
                      IN(PathState) p, IN(Arrival) a) {
+    if (HAS_MANY_LIGHTS) {
+        if (light == FRAME.lightCount) {
+            if (HAS(EFFECT_FOG)) {
+                if (ray >= fromSurface) return pathFogRay(light, ray - fromSurface, sampleIndex, pixel, p, a.air);
+            }
+            return chosenLightRay(ray, sampleIndex, pixel, p.salt, a.surface, a.shading, a.wo, a.throughput);
+        }
+    }
     if (HAS_SKY_LIGHT || HAS_LAMPS) {
         if (light >= FRAME.lightCount)
             return sampledLightRay(light, sampleIndex, pixel, p.salt, a.surface, a.shading, a.wo, a.throughput, a.shares);

@@ -41,6 +41,7 @@ layout(std430, set = 0, binding = BINDING_SOBOL) readonly buffer SobolBuffer { u
 #define IMAGE(i, field) images[i].field
 #define IMAGE_LEVEL(i) uvec4(imageLevels[i].firstTexel, imageLevels[i].width, imageLevels[i].height, 0u)
 #define TEXEL(i) texels[i]
+#define TEXEL_ROW(i) uvec4(texels[i], texels[(i) + 1u], texels[(i) + 2u], texels[(i) + 3u])
 #define LIGHT(i) lights[i]
 #define SOBOL(i) sobolPoints[i]
 #define SOBOL_AT(i) sobolPoints[i]

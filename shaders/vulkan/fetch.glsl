@@ -26,6 +26,7 @@ FETCHED(BINDING_SOBOL, fetchSobol)
 #define NORMAL_U(i) ROWF(fetchVertexAttributes, i, ROWS_VertexAttributes, 0u)
 #define IMAGE_LEVEL(i) ROW(fetchImageLevels, i, 1u, 0u)
 #define TEXEL(i) texelFetch(fetchTexels, int(i)).x
+#define TEXEL_ROW(i) uvec4(TEXEL(i), TEXEL((i) + 1u), TEXEL((i) + 2u), TEXEL((i) + 3u))
 #define SOBOL(i) texelFetch(fetchSobol, int(i)).xy
 #define SOBOL_AT(i) SOBOL(i)
 

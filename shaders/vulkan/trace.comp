@@ -51,9 +51,9 @@ vec3 transmittance(Ray ray, uint media) {
 
 // The rays to the lights, in order, then those into the hemisphere. `met`: 1 at a hit, 0 where the path met nothing.
 void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a, inout vec3 radiance) {
-    bool several = HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG) || HAS_SKY_LIGHT || HAS_LAMPS;
+    bool several = HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG) || HAS_SKY_LIGHT || HAS_LAMPS || HAS_MANY_LIGHTS;
     uint lights = FRAME.lightCount;
-    if (several) lights = (met != 0u ? allLightSamples() : 0u) + FRAME.lightCount * fogRays();
+    if (several) lights = (met != 0u ? allLightSamples() : 0u) + allFogRays();
     bool occlusion = HAS(EFFECT_AMBIENT_OCCLUSION) && a.occlusion;
     uint total = lights + (occlusion ? FRAME.aoSamples : 0u);
     uint light = 0u;

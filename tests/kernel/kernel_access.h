@@ -20,7 +20,7 @@ inline EveryKernel bareKernel() {
     EveryKernel kernel{};
     kernel.scene.sobol = kernelTable().data();
     kernel.frame.effects = ~uint32_t(EFFECT_FILTERED_ENVIRONMENT | EFFECT_ENVIRONMENT_LIGHT | EFFECT_SURFACE_LIGHTS |
-                                     EFFECT_PATH | EFFECT_NESTED_MEDIA);
+                                     EFFECT_PATH | EFFECT_NESTED_MEDIA | EFFECT_MANY_LIGHTS);
     return kernel;
 }
 

@@ -9,10 +9,12 @@
 #include "server/request/frame_request.h"
 #include "server/scene/kernel_tables.h"
 #include "server/scene/load/scene_source.h"
+#include "tests/support/bodies.h"
 #include "tests/support/material_zoo.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 
 namespace heliograph {
@@ -297,6 +299,62 @@ TEST(Lanes, EqualTheScalarKernelInTheMaterialZoo) { compareScene(*test::material
 TEST(Lanes, EqualTheScalarKernelInTheCornellBox) { compareScene(*openScene("cornell"), 5000, 2); }
 
 TEST(Lanes, EqualTheScalarKernelInTheCourtyard) { compareScene(*openScene("courtyard"), 5000, 3); }
+
+// The choice of lights, each lane's own; every second scene effect is off by turns.
+TEST(Lanes, EqualTheScalarKernelUnderManyLights) { compareScene(*openScene("effects/many-lights"), 3000, 5); }
+
+TEST(Lanes, ChooseAndSeeLightsOfAllKindsAsTheScalarKernelDoes) {
+    SceneBuilder builder("lights");
+    builder.addInstance(builder.addMesh(panel(vec3(-1, 0, 1), vec3(2, 0, 0), vec3(0, 0, -2), 0)), mat4(1.0f));
+    Random random(6);
+    for (uint32_t i = 0; i < 120; i++) {
+        Light light{};
+        light.type = std::array{LIGHT_POINT, LIGHT_SPOT, LIGHT_QUAD}[i % 3];
+        light.position = random.inCube(4.0f);
+        light.direction = random.direction();
+        light.intensity = vec3(random.real(0.1f, 3.0f));
+        light.radius = i % 3 != 2 && i % 2 ? 0.3f : 0.0f;
+        light.range = i % 5 ? 0.0f : 5.0f;
+        light.falloff = i % 7 ? FALLOFF_INVERSE_SQUARE : FALLOFF_LINEAR;
+        light.cosInner = 0.9f;
+        light.cosOuter = 0.5f;
+        light.edge = glm::normalize(glm::cross(light.direction, vec3(0.3f, 0.5f, 0.8f))) * 0.4f;
+        light.aspect = 0.5f;
+        builder.addLight(light);
+    }
+    const auto scene = builder.finish();
+    EveryKernel scalar = bareKernel();
+    WideKernel lanes{};
+    scalar.scene = lanes.scene = sceneView(*scene);
+    scalar.frame.effects |= EFFECT_MANY_LIGHTS;
+    lanes.frame = scalar.frame;
+    for (int round = 0; round < 5000; round++) {
+        const uint32_t surface = random.below(2);
+        EveryKernel::LightWay ways[LANES];
+        WideKernel::LightWay way{};
+        wide::Float number{};
+        wide::Vec2 place{};
+        for (int lane = 0; lane < LANES; lane++) {
+            ways[lane] = {random.inCube(6.0f), random.direction(), surface ? 0.0f : random.real(0.1f, 5.0f)};
+            setLane(way.origin, ways[lane].origin, lane);
+            setLane(way.direction, ways[lane].direction, lane);
+            way.reach.v[lane] = ways[lane].reach;
+            number.v[lane] = random.real(0.0f, 1.0f);
+            place.x.v[lane] = random.real(0.0f, 1.0f);
+            place.y.v[lane] = random.real(0.0f, 1.0f);
+        }
+        const auto chosen = lanes.chosenLight(way, surface, number);
+        const auto light = lanes.lightOfTree(chosen.light, place, way.origin);
+        for (int lane = 0; lane < LANES; lane++) {
+            const auto one = scalar.chosenLight(ways[lane], surface, number.v[lane]);
+            ASSERT_TRUE(same(chosen.light, one.light, lane) && same(chosen.chance, one.chance, lane));
+            if (one.chance == 0.0f) continue;
+            const auto seen = scalar.lightOfTree(one.light, vec2(place.x.v[lane], place.y.v[lane]), ways[lane].origin);
+            ASSERT_TRUE(same(light.direction, seen.direction, lane) && same(light.distance, seen.distance, lane) &&
+                        same(light.irradiance, seen.irradiance, lane));
+        }
+    }
+}
 
 TEST(Lanes, MathematicsIsTheSameForAllFloats) {
     EveryKernel scalar = bareKernel();

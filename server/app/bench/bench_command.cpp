@@ -1,6 +1,7 @@
 #include "server/app/bench/bench_command.h"
 
 #include "server/app/bench/bench_accuracy.h"
+#include "server/app/bench/bench_convergence.h"
 #include "server/app/bench/bench_effects.h"
 #include "server/app/bench/bench_adaptive.h"
 #include "server/app/bench/bench_autopilot.h"
@@ -319,6 +320,7 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
     addBenchForecast(*bench, run);
     addBenchAdaptive(*bench, run);
     addBenchAutopilot(*bench, run);
+    addBenchConvergence(*bench, run);
 }
 
 }  // namespace heliograph

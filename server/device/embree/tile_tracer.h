@@ -223,7 +223,7 @@ private:
         shadeRuns(missCount_, [&](uint32_t i, uint32_t end) {
             const Group g = Group::of(arena_.misses + i, end - i);
             Path path = loadPath(g);
-            for (uint32_t l = 0; l < kernel_.frame.lightCount; l++) pushFog(l, g, path, kernel_.airOfMiss(path));
+            for (uint32_t l = 0; l < kernel_.allLights(); l++) pushFog(l, g, path, kernel_.airOfMiss(path));
         });
     }
 
@@ -235,8 +235,7 @@ private:
     // light rays a point take the points in smaller runs, so that the queues stay small.
     template <typename Shade>
     HELIOGRAPH_INLINE void shadeRuns(uint32_t count, const Shade& shade) {
-        uint32_t lights = kernel_.frame.lightCount;
-        uint32_t rays = kernel_.allLightSamples() + lights * kernel_.fogRays();
+        uint32_t rays = kernel_.allLightSamples() + kernel_.allFogRays();
         uint32_t run = rays > 8 ? lesser(BLOCK_LANES, (8192u / rays + PACKET) / PACKET * PACKET) : BLOCK_LANES;
         for (uint32_t first = 0; first < count; first += run) {
             uint32_t end = lesser(first + run, count);
@@ -270,7 +269,7 @@ private:
     // Rays to a light from points of the paths' way through `air` metres of fog.
     void pushFog(uint32_t light, const Group& g, const Path& path, Float air) {
         Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
-        for (uint32_t i = 0; i < kernel_.fogRays(); i++)
+        for (uint32_t i = 0; i < kernel_.fogRaysTo(light); i++)
             shadows_.push(light, g, kernel_.pathFogRay(light, i, sample_, pixel, path, air), path.medium);
     }
 

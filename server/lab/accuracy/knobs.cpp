@@ -26,6 +26,8 @@ const std::vector<Knob>& table() {
         {"shadows", light, {"off", "on"}, {}},
         {"softShadows", light, {"off", "on"}, {}},
         {"shadowSamples", grain, {"1", "2", "4", "8", "16", "64"}, {}},
+        {"manyLights", grain, {"on", "off"}, {}},
+        {"lightRays", grain, {"1", "2", "4", "8", "16", "64"}, {}},
         {"reflections", light, {"off", "on"}, {}},
         {"maxReflections", cut, {"0", "1", "2", "4", "8", "31"}, {}},
         {"glossyReflections", light, {"off", "on"}, {}},

@@ -1,16 +1,17 @@
 #include "server/scene/build/scene_builder.h"
 
 #include "server/base/error.h"
-#include "server/scene/light/ambient.h"
 #include "server/scene/build/content_hash.h"
 #include "server/scene/build/default_camera.h"
-#include "server/scene/light/emitters.h"
-#include "server/scene/light/environment_tables.h"
 #include "server/scene/build/image_pyramid.h"
 #include "server/scene/build/mesh_assembly.h"
 #include "server/scene/build/mesh_prepare.h"
 #include "server/scene/build/scene_checks.h"
 #include "server/scene/build/scene_draft.h"
+#include "server/scene/light/ambient.h"
+#include "server/scene/light/emitters.h"
+#include "server/scene/light/environment_tables.h"
+#include "server/scene/light/light_tree.h"
 #include "server/scene/media/nested_media.h"
 
 #include <tbb/parallel_for.h>
@@ -147,6 +148,7 @@ void buildLights(SceneDraft& draft, float lamps) {
         addWarning(draft, "no light in the file: a headlight was added");
     }
     draft.scene.lights = std::move(draft.lights);
+    appendLightTree(draft.scene);
 }
 
 }  // namespace

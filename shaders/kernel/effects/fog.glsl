@@ -43,9 +43,15 @@ UNIFORM_UINT fogRays() {
 
 // The same to one light; the mean of the surroundings stands for sampled ones.
 UNIFORM_UINT fogRaysTo(UNIFORM_UINT light) {
+    if (HAS_MANY_LIGHTS) {
+        if (light == FRAME.lightCount) return fogRays() * FRAME.lightRays;
+    }
     if (light >= FRAME.lightCount) return 0u;
     return fogRays();
 }
+
+// The sum over all lights.
+UNIFORM_UINT allFogRays() { return FRAME.lightCount * fogRays() + lightsForMany() * fogRaysTo(FRAME.lightCount); }
 
 // A point on a way of length `way`: how far along, and what the fog scatters from there to its beginning per unit irradiance.
 struct FogPoint {
@@ -81,6 +87,17 @@ FogPoint fogPointByAngle(vec3 direction, vec3 toLight, float way, float u) {
     return r;
 }
 
+// A ray from that point of a way of length `way` to a light, one of as many as 1 / `share`.
+ShadowRay rayFromFog(vec3 origin, IN(FogPoint) at, float way, IN(LightSample) light, vec3 throughput, float share) {
+    ShadowRay r;
+    r.ray.origin = origin;
+    float through = fogTransmittance(origin, light.direction, light.distance);
+    r.contribution = throughput * light.irradiance * SELECT(way > 0.0f, through * at.weight * share, 0.0f);
+    r.ray.direction = light.direction;
+    r.ray.tMax = SELECT(light.distance < FLOAT_MAX, light.distance * 0.9999f, FLOAT_MAX);
+    return r;
+}
+
 // Ray `ray` of fogRays() from the way of a path to a light, with what it brings to the pixel.
 ShadowRay fogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt, vec3 origin,
                  vec3 direction, vec3 throughput, float distance) {
@@ -94,13 +111,32 @@ ShadowRay fogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex,
     if (light.falloff == FALLOFF_LINEAR || light.type == LIGHT_DIRECTIONAL || light.type == LIGHT_HEADLIGHT)
         at = fogPointByDepth(span.y, u);
     else at = fogPointByAngle(direction, light.position - from, span.y, u);
-    ShadowRay r;
-    r.ray.origin = from + direction * at.along;
-    LightSample sample_ = anyLightAt(index, shuffledPoint(sampleIndex * FRAME.fogSamples + ray, shift), hashUint(shift), r.ray.origin);
-    float through = fogTransmittance(r.ray.origin, sample_.direction, sample_.distance);
-    float share = SELECT(span.y > 0.0f, through * at.weight * (1.0f / float(int(FRAME.fogSamples))), 0.0f);
-    r.contribution = throughput * sample_.irradiance * share;
-    r.ray.direction = sample_.direction;
-    r.ray.tMax = SELECT(sample_.distance < FLOAT_MAX, sample_.distance * 0.9999f, FLOAT_MAX);
-    return r;
+    vec3 place = from + direction * at.along;
+    LightSample sample_ = anyLightAt(index, shuffledPoint(sampleIndex * FRAME.fogSamples + ray, shift), hashUint(shift), place);
+    return rayFromFog(place, at, span.y, sample_, throughput, 1.0f / float(int(FRAME.fogSamples)));
+}
+
+// Ray `ray` of fogRaysTo(FRAME.lightCount) from the way of a path to one of many lights.
+ShadowRay chosenFogRay(UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt, vec3 origin, vec3 direction,
+                       vec3 throughput, float distance) {
+    UNIFORM_UINT rays = FRAME.fogSamples * FRAME.lightRays;
+    UNIFORM_UINT number = sampleIndex * rays + ray;
+    uint shift = hashPixel(pixel, hashUint(salt + FOG_SALT + MANY_SALT) + FRAME.seed);
+    vec2 span = fogSpan(origin, direction, distance);
+    LightWay way;
+    way.origin = origin + direction * span.x;
+    way.direction = direction;
+    way.reach = span.y;
+    ChosenLight chosen = chosenLight(way, 0u, choiceNumber(number, shift));
+    uint other = hashUint(shift + 0x85ebca6bu);
+    float u = unitFloat(shuffledPoint(number, other).x ^ other);
+    FogPoint at = fogPointByAngle(direction, pointOf(floatsOf(TEXEL_ROW(chosen.light))) - way.origin, span.y, u);
+    FogPoint deep = fogPointByDepth(span.y, u);
+    bool linear = TEXEL(chosen.light + 13u) == FALLOFF_LINEAR;
+    at.along = SELECT(linear, deep.along, at.along);
+    at.weight = SELECT(linear, deep.weight, at.weight);
+    vec3 point = way.origin + direction * at.along;
+    LightSample sample_ = lightOfTree(chosen.light, placeNumbers(number, shift), point);
+    float weight = SELECT(chosen.chance > 0.0f, 1.0f / (chosen.chance * float(int(rays))), 0.0f);
+    return rayFromFog(point, at, span.y, sample_, throughput, weight);
 }

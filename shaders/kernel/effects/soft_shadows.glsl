@@ -2,9 +2,15 @@
 // sampled by the cone that they fill (Shirley, Wang & Zimmerman, "Monte Carlo Techniques for Direct Lighting
 // Calculations", 1996), quads by their area. A surface that faces a ball gets exactly what a point light would give.
 
-// How many sampled lights there are (sampled_lights.glsl).
+// How many lights stand for many: 0 or 1 (many_lights.glsl). Their number is FRAME.lightCount.
+UNIFORM_UINT lightsForMany() {
+    if (HAS_MANY_LIGHTS) return 1u;
+    return 0u;
+}
+
+// How many sampled lights there are (sampled_lights.glsl), that for many among them.
 UNIFORM_UINT sampledLights() {
-    UNIFORM_UINT sum = 0u;
+    UNIFORM_UINT sum = lightsForMany();
     if (HAS_SKY_LIGHT) sum = sum + 1u;
     if (HAS_LAMPS) sum = sum + 1u;
     return sum;
@@ -23,6 +29,9 @@ UNIFORM_UINT hasExtent(UNIFORM_UINT index) {
 
 // Rays that go to the light from each point.
 UNIFORM_UINT lightSamples(UNIFORM_UINT index) {
+    if (HAS_MANY_LIGHTS) {
+        if (index == FRAME.lightCount) return FRAME.lightRays;
+    }
     if (!HAS(EFFECT_SOFT_SHADOWS)) return 1u;
     if (hasExtent(index) == 0u) return 1u;
     return FRAME.shadowSamples;
@@ -30,8 +39,9 @@ UNIFORM_UINT lightSamples(UNIFORM_UINT index) {
 
 // The sum over all lights, sampled ones too.
 UNIFORM_UINT allLightSamples() {
-    if (!HAS(EFFECT_SOFT_SHADOWS)) return allLights();
     UNIFORM_UINT sum = sampledLights();
+    if (HAS_MANY_LIGHTS) sum = sum - 1u + FRAME.lightRays;
+    if (!HAS(EFFECT_SOFT_SHADOWS)) return FRAME.lightCount + sum;
     for (UNIFORM_UINT i = 0u; i < FRAME.lightCount; i++) sum = sum + lightSamples(i);
     return sum;
 }
@@ -60,20 +70,36 @@ vec3 coneDirection(vec3 axis, float x, float turn) {
 
 FLOAT_CONSTANT(LAMP_FRONT, 4.76837158203125e-7f)  // 2^-21
 
-LightSample quadLightAt(Light light, float u, float v, vec3 point) {
-    LightSample result;
-    vec3 normal = light.direction;
-    vec3 edge = light.edge;
-    vec3 across = cross(normal, edge) * light.aspect;
-    vec3 offset = light.position + edge * (2.0f * u - 1.0f) + across * (2.0f * v - 1.0f) - point;
+// A place of a light with an extent as seen from a point.
+struct PlaceOnLight {
+    vec3 direction;  // unit
+    float distance;
+    float share;     // of the irradiance that the light's falloff gives
+    vec3 axis;       // of a ball: unit, to its centre
+    float centre;    // of a ball: how far that is
+};
+
+PlaceOnLight placeOnQuad(vec3 middle, vec3 normal, vec3 edge, float aspect, float u, float v, vec3 point) {
+    PlaceOnLight result;
+    vec3 across = cross(normal, edge) * aspect;
+    vec3 offset = middle + edge * (2.0f * u - 1.0f) + across * (2.0f * v - 1.0f) - point;
     result.distance = sqrt(dot(offset, offset));
     result.direction = offset * (1.0f / SELECT(result.distance > 0.0f, result.distance, 1.0f));
     // What lies in the lamp's plane gets none, on whichever side of it rounding has left the point.
-    vec3 middle = light.position;
     vec3 reach = max3(abs3(point), abs3(middle));
     bool before = dot(point - middle, normal) > maxComponent(reach) * LAMP_FRONT;
-    float cosine = SELECT(before, max(-dot(result.direction, normal), 0.0f), 0.0f);
-    result.irradiance = light.intensity * (lightFalloff(light, result.distance) * cosine);
+    result.share = SELECT(before, max(-dot(result.direction, normal), 0.0f), 0.0f);
+    result.axis = result.direction;
+    result.centre = result.distance;
+    return result;
+}
+
+LightSample quadLightAt(Light light, float u, float v, vec3 point) {
+    LightSample result;
+    PlaceOnLight place = placeOnQuad(light.position, light.direction, light.edge, light.aspect, u, v, point);
+    result.direction = place.direction;
+    result.distance = place.distance;
+    result.irradiance = light.intensity * (lightFalloff(light, place.distance) * place.share);
     return result;
 }
 
@@ -91,12 +117,12 @@ LightSample sunAt(Light light, float u, float v) {
 
 // What a ball of radius r sends along one direction of its cone: radiance I / (pi r^2) times the solid angle
 // 2 pi (1 - cos). From inside it fills the hemisphere about its centre, and nothing is in the way.
-LightSample ballLightAt(Light light, float u, float v, vec3 point) {
-    LightSample result;
-    vec3 offset = light.position - point;
+PlaceOnLight placeOnBall(vec3 middle, float radius, float u, float v, vec3 point) {
+    PlaceOnLight result;
+    vec3 offset = middle - point;
     float d2 = dot(offset, offset);
     float d = sqrt(d2);
-    float r2 = light.radius * light.radius;
+    float r2 = radius * radius;
     float sin2 = min(r2 / max(d2, 1.0e-30f), 1.0f);
     float cosMax = sqrt(1.0f - sin2);
     vec3 axis = SELECT(d > 0.0f, offset * (1.0f / SELECT(d > 0.0f, d, 1.0f)), vec3(0.0f, 1.0f, 0.0f));
@@ -105,8 +131,19 @@ LightSample ballLightAt(Light light, float u, float v, vec3 point) {
     float along = d * (1.0f - x);
     float half_ = sqrt(max(r2 - d2 * (x * (2.0f - x)), 0.0f));
     result.distance = SELECT(d2 > r2, max(along - half_, 0.0f), 0.0f);
-    float falloff = lightFalloff(light, max(d, light.radius)) * (2.0f / (1.0f + cosMax));
-    if (light.type == LIGHT_SPOT) falloff = falloff * spotEdge(light, axis);
+    result.share = 2.0f / (1.0f + cosMax);
+    result.axis = axis;
+    result.centre = d;
+    return result;
+}
+
+LightSample ballLightAt(Light light, float u, float v, vec3 point) {
+    LightSample result;
+    PlaceOnLight place = placeOnBall(light.position, light.radius, u, v, point);
+    result.direction = place.direction;
+    result.distance = place.distance;
+    float falloff = lightFalloff(light, max(place.centre, light.radius)) * place.share;
+    if (light.type == LIGHT_SPOT) falloff = falloff * spotEdge(light, place.axis);
     result.irradiance = light.intensity * falloff;
     return result;
 }

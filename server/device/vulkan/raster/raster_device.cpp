@@ -53,7 +53,9 @@ public:
     void render(const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink, std::stop_token stop) override {
         std::lock_guard lock(mutex_);
         if (!scene_) throw std::logic_error("render before load");
-        FrameConstants frame = frameConstants(scene_->scene(), request);
+        FrameRequest whole = request;
+        whole.effects.bits &= ~EFFECT_MANY_LIGHTS;  // without rays all lights are cheap
+        FrameConstants frame = frameConstants(scene_->scene(), whole);
         std::memcpy(frame_.data(), &frame, sizeof frame);
         if (!target_ || target_->size() != request.resolution) {
             target_.reset();

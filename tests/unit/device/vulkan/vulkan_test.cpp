@@ -153,6 +153,25 @@ TEST_F(Vulkan, AllEffectsTogetherAreEmbreesBitForBit) {
     EXPECT_LE(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 3u);
 }
 
+TEST_F(Vulkan, ManyLightsAreEmbreesBitForBit) {
+    auto scene = openScene("effects/many-lights");
+    for (const char* integrator : {"interactive", "path"}) {
+        SCOPED_TRACE(integrator);
+        Settings settings;
+        settings.integrator = Settings::choice("integrator", integrator);
+        settings.fog = settings.integrator == 0;
+        settings.fogDensity = 0.3f;
+        settings.lightRays = 3;
+        auto gpu = makeVulkanDevice("", checked());
+        auto cpu = makeEmbreeDevice();
+        gpu->load(scene, settings, {});
+        cpu->load(scene, settings, {});
+        const FrameRequest request = requestFor(*scene, settings, {67, 45});
+        ASSERT_TRUE(request.effects.has(EFFECT_MANY_LIGHTS));
+        EXPECT_LE(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 3u);
+    }
+}
+
 // Mesa's software driver fuses no multiply-add, so the mended quotients are off there in the last digit, where its own are not.
 // (On GPUs heliograph-bench parity compares.) What this sees is that the module is valid and computes quotients and roots.
 TEST_F(Vulkan, MendedQuotientsShowTheSamePicture) {
