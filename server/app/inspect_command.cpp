@@ -1,7 +1,8 @@
 #include "server/app/inspect_command.h"
 
-#include "server/base/progress_bar.h"
 #include "server/base/clock.h"
+#include "server/base/json_text.h"
+#include "server/base/progress_bar.h"
 #include "server/base/text.h"
 #include "server/request/effect_rules.h"
 #include "server/request/settings.h"
@@ -145,7 +146,7 @@ int runInspect(const SceneOptions& options, std::ostream& out) {
     }
     const nlohmann::ordered_json json = inspection(*scene, scene->name, watch.milliseconds());
     // Names come from files, which may hold anything: what is no UTF-8 is replaced, not thrown about.
-    if (options.json) out << json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    if (options.json) out << dumped(json);
     else printForPeople(*scene, json, out);
     return 0;
 }

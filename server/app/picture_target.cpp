@@ -19,7 +19,7 @@ constexpr uint32_t MOST_DIGITS = 9;
 PictureFormat formatOf(const std::string& word, const std::string& where, const std::string& allowed) {
     if (word == "png") return PictureFormat::png;
     if (word == "exr") return PictureFormat::exr;
-    if (word == "jpg" || word == "jpeg") return PictureFormat::jpeg;
+    if (word == "jpg" || word == "jpeg") return PictureFormat::jpg;
     throw InputError(where, "unknown format '" + word + "'", allowed);
 }
 

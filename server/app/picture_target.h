@@ -2,6 +2,7 @@
 // Where `render` puts its pictures: a file, a file for each frame, or standard output.
 
 #include "server/base/output_file.h"
+#include "server/request/view_request.h"
 
 #include <cstdint>
 #include <optional>
@@ -9,8 +10,6 @@
 #include <string>
 
 namespace heliograph {
-
-enum class PictureFormat { png, exr, jpeg };
 
 /// A file name with one %d or %04d for the frame's number.
 struct FramePattern {

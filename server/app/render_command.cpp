@@ -3,17 +3,18 @@
 #include "server/app/devices.h"
 #include "server/app/frame_range.h"
 #include "server/app/picture_target.h"
-#include "server/base/progress_bar.h"
 #include "server/base/clock.h"
 #include "server/base/error.h"
+#include "server/base/json_text.h"
+#include "server/base/progress_bar.h"
 #include "server/base/text.h"
 #include "server/encode/exr_encoder.h"
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
+#include "server/film/stats.h"
 #include "server/images/image_module.h"
 #include "server/render/frame_renderer.h"
-#include "server/film/stats.h"
 #include "server/scene/load/scene_source.h"
 
 #include <iostream>
@@ -36,10 +37,6 @@ struct RenderResult {
     Milliseconds ms;
     FrameStats stats;
 };
-
-std::string dumped(const nlohmann::ordered_json& json) {
-    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
 
 GivenSettings settingsOf(const RenderOptions& options) {
     GivenSettings given = givenSettings(options);

@@ -2,7 +2,10 @@
 // JSON from strangers. nlohmann's parser needs no stack for nesting, but writing, comparing and copying what it returns
 // do: a deep text must be refused before anything is done with it.
 
+#include <nlohmann/json.hpp>
+
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace heliograph {
@@ -35,6 +38,11 @@ inline JsonExtent jsonExtent(std::string_view text, uint64_t deepest) {
         if (c == ',') extent.values++;
     }
     return extent;
+}
+
+/// The value as a text that ends a line; bytes that are no UTF-8 become U+FFFD. indent: columns for each depth; -1: one line.
+inline std::string dumped(const nlohmann::ordered_json& json, int indent = 2) {
+    return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace heliograph

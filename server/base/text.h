@@ -1,6 +1,7 @@
 #pragma once
 // Text on its way to a terminal, a log or a message.
 
+#include <cstdio>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,6 +23,14 @@ std::string joined(const Range& range, std::string_view between, Word wordOf) {
     std::vector<std::string> words;
     for (const auto& one : range) words.push_back(wordOf(one));
     return joined(words, between);
+}
+
+/// As printf writes it; what goes past 511 bytes is cut.
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+    char text[512];
+    std::snprintf(text, sizeof text, format, values...);
+    return text;
 }
 
 }  // namespace heliograph

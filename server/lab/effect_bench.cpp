@@ -10,14 +10,14 @@ namespace heliograph {
 
 namespace {
 
-constexpr uint32_t WARM_UP = 1;  // rounds that are not counted: memory is touched, threads start, pipelines are compiled
+constexpr uint32_t WARM_UP_ROUNDS = 1;  // rounds that are not counted: memory is touched, threads start, pipelines are compiled
 
 using Pixels = std::vector<vec4>;
 
 /// Renders requests of one scene on one device, one sample a pixel.
-class Stopwatch {
+class PairWatch {
 public:
-    explicit Stopwatch(Renderer& renderer) : renderer_(renderer) {}
+    explicit PairWatch(Renderer& renderer) : renderer_(renderer) {}
 
     void time(const FrameRequest& request, Timing* timing) {
         FrameRequest numbered = request;
@@ -128,11 +128,11 @@ EffectBenchResult benchEffects(Renderer& renderer, const Scene& scene, const Eff
     result.effects = effectNames({possibleEffects(effects).bits & allowedEffects(options.settings).bits});
     const std::vector<EffectPair> pairs = effectPairs(effects, baseRequest(options));
     for (const EffectPair& pair : pairs) result.rows.push_back({pair.effect, {}});
-    Stopwatch watch(renderer);
-    const uint32_t rounds = WARM_UP + options.repetitions;
+    PairWatch watch(renderer);
+    const uint32_t rounds = WARM_UP_ROUNDS + options.repetitions;
     for (uint32_t round = 0; round < rounds; round++) {
         for (size_t i = 0; i < pairs.size(); i++) {
-            watch.pair(pairs[i].on, pairs[i].off, round, round < WARM_UP ? nullptr : &result.rows[i].time);
+            watch.pair(pairs[i].on, pairs[i].off, round, round < WARM_UP_ROUNDS ? nullptr : &result.rows[i].time);
             report(progress, "measuring " + pairs[i].effect.name,
                    (round + static_cast<double>(i + 1) / static_cast<double>(pairs.size())) / rounds);
         }
@@ -176,13 +176,13 @@ EffectCheckResult checkEffects(Renderer& renderer, const Scene& scene, const Eff
     for (const auto& [name, value] : allValues.items()) {
         if (value != fewValues.at(name)) result.switchedOff.push_back(name);
     }
-    Stopwatch watch(renderer);
-    for (uint32_t round = 0; round < WARM_UP + options.repetitions; round++) {
-        const bool counted = round >= WARM_UP;
+    PairWatch watch(renderer);
+    for (uint32_t round = 0; round < WARM_UP_ROUNDS + options.repetitions; round++) {
+        const bool counted = round >= WARM_UP_ROUNDS;
         watch.pair(all, few, round, counted ? &result.time : nullptr);
         watch.pair(few, few, round, counted ? &result.noise : nullptr);
         result.differingPixels = std::max(result.differingPixels, differing(watch.picture(all), watch.picture(few)));
-        report(progress, "comparing", static_cast<double>(round + 1) / (WARM_UP + options.repetitions));
+        report(progress, "comparing", static_cast<double>(round + 1) / (WARM_UP_ROUNDS + options.repetitions));
     }
     return result;
 }

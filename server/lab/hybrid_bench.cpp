@@ -18,9 +18,9 @@ constexpr double SLOW = 5.0;  // times the fastest device
 constexpr double BURST_SECONDS = 0.25;
 
 /// Renders frames of one pass and times them.
-class Stopwatch {
+class BurstWatch {
 public:
-    Stopwatch(Renderer& renderer, const Scene& scene, const HybridBenchOptions& options)
+    BurstWatch(Renderer& renderer, const Scene& scene, const HybridBenchOptions& options)
         : renderer_(renderer), scene_(scene), options_(options) {}
 
     double frame(const Settings& settings) {
@@ -133,7 +133,7 @@ HybridBenchResult benchHybrid(Renderer& renderer, const Scene& scene, const Hybr
                               const Progress& progress) {
     HybridBenchResult result;
     result.samples = options.samples;
-    Stopwatch watch(renderer, scene, options);
+    BurstWatch watch(renderer, scene, options);
     double fastest = 1e30;
     for (const std::string& name : options.devices) {
         result.alone.push_back({name, {}, {}});

@@ -19,7 +19,7 @@ namespace heliograph {
 
 namespace {
 
-using Kind = GivenValue::Kind;
+using ValueKind = GivenValue::Kind;
 
 std::string at(const std::string& path, const toml::source_region& source, std::string_view key = {}) {
     std::string text = path + ":" + std::to_string(source.begin.line);
@@ -27,20 +27,20 @@ std::string at(const std::string& path, const toml::source_region& source, std::
 }
 
 /// The value as text; nothing for what no option takes.
-std::optional<std::pair<Kind, std::string>> scalar(const toml::node& node) {
-    if (const auto* text = node.as_string()) return {{Kind::text, text->get()}};
-    if (const auto* number = node.as_integer()) return {{Kind::number, std::to_string(number->get())}};
-    if (const auto* yes = node.as_boolean()) return {{Kind::boolean, yes->get() ? "true" : "false"}};
+std::optional<std::pair<ValueKind, std::string>> scalar(const toml::node& node) {
+    if (const auto* text = node.as_string()) return {{ValueKind::text, text->get()}};
+    if (const auto* number = node.as_integer()) return {{ValueKind::number, std::to_string(number->get())}};
+    if (const auto* yes = node.as_boolean()) return {{ValueKind::boolean, yes->get() ? "true" : "false"}};
     if (const auto* real = node.as_floating_point()) {
         char text[32];
         auto end = std::to_chars(text, text + sizeof text, real->get()).ptr;
-        return {{Kind::number, std::string(text, end)}};
+        return {{ValueKind::number, std::string(text, end)}};
     }
     return std::nullopt;
 }
 
 GivenValue listOf(const toml::array& array, const std::string& option, const std::string& source) {
-    GivenValue given{option, Kind::text, {}, source};
+    GivenValue given{option, ValueKind::text, {}, source};
     for (const toml::node& node : array) {
         const toml::value<std::string>* text = node.as_string();
         if (!text) throw InputError(source, "a list with something that is no text", "texts in quotes, as [\"one\", \"two\"]");
@@ -55,14 +55,14 @@ void readSettings(const toml::table& table, const std::string& path, std::vector
         const std::string source = at(path, node.source(), "set." + std::string(key.str()));
         auto value = scalar(node);
         if (!value) throw InputError(source, "no plain value", "a number, true, false or a text in quotes");
-        values.push_back({"set", Kind::text, {std::string(key.str()) + "=" + value->second}, source});
+        values.push_back({"set", ValueKind::text, {std::string(key.str()) + "=" + value->second}, source});
     }
 }
 
 void readNode(const std::string& key, const toml::node& node, const std::string& path, std::vector<GivenValue>& values) {
     const std::string source = at(path, node.source(), key);
     ServeOptions unused;
-    if (!optionNamed(key)) apply({key, Kind::text, {}, source}, unused);  // says what was probably meant
+    if (!optionNamed(key)) apply({key, ValueKind::text, {}, source}, unused);  // says what was probably meant
     if (const toml::table* table = node.as_table()) {
         if (key == "set") return readSettings(*table, path, values);
         throw InputError(source, "a table", "a plain value; only [set] is a table");

@@ -21,7 +21,7 @@ namespace heliograph {
 
 namespace {
 
-using Kind = Finding::Kind;
+using FindingKind = Finding::Kind;
 
 constexpr uint64_t SPARE_DESCRIPTORS = 256;      // libraries, scenes, drivers, connections that look at no picture
 constexpr uint64_t LEAST_MEMORY = 512ull << 20;  // bytes; the courtyard with two viewers
@@ -53,13 +53,14 @@ uint64_t controlGroupLimit() {
 
 Finding judgeMemory(const MachineFacts& facts) {
     const bool limited = facts.memoryLimit > 0 && facts.memoryLimit < facts.memory;
-    Finding memory{"memory", Kind::good, mebibytes(facts.memory) + ", " + mebibytes(facts.memoryAvailable) + " available", ""};
+    Finding memory{"memory", FindingKind::good,
+                   mebibytes(facts.memory) + ", " + mebibytes(facts.memoryAvailable) + " available", ""};
     if (limited) {
         memory.found += ", limited to " + mebibytes(facts.memoryLimit) + " by the control group";
         memory.means = "the limit counts";
     }
     if ((limited ? facts.memoryLimit : facts.memory) < LEAST_MEMORY) {
-        memory.kind = Kind::note;
+        memory.kind = FindingKind::note;
         memory.means = "less than " + mebibytes(LEAST_MEMORY) + ": large scenes and pictures will not fit";
     }
     return memory;
@@ -67,18 +68,18 @@ Finding judgeMemory(const MachineFacts& facts) {
 
 Finding judgeDescriptors(const MachineFacts& facts, const ServeOptions& options) {
     const uint64_t needed = options.maxViewers + SPARE_DESCRIPTORS;
-    Finding descriptors{"descriptors", Kind::good,
+    Finding descriptors{"descriptors", FindingKind::good,
                         std::to_string(facts.descriptors) + ", at most " + std::to_string(facts.mostDescriptors),
                         "enough for " + std::to_string(options.maxViewers) + " viewers"};
     if (facts.descriptors < needed) {
-        descriptors.kind = Kind::note;
+        descriptors.kind = FindingKind::note;
         descriptors.means = std::to_string(options.maxViewers) + " viewers need up to " + std::to_string(needed) +
                             "; ulimit -n or LimitNOFILE= raises it";
     }
     return descriptors;
 }
 
-const char* word(Kind kind) { return kind == Kind::good ? "good" : kind == Kind::note ? "note" : "bad"; }
+const char* word(FindingKind kind) { return kind == FindingKind::good ? "good" : kind == FindingKind::note ? "note" : "bad"; }
 
 }  // namespace
 
@@ -98,10 +99,10 @@ MachineFacts machineFacts() {
 }
 
 std::vector<Finding> judgeMachine(const MachineFacts& facts, const ServeOptions& options) {
-    Finding cores{"cores", Kind::good, std::to_string(facts.usableCores) + " of " + std::to_string(facts.cores),
+    Finding cores{"cores", FindingKind::good, std::to_string(facts.usableCores) + " of " + std::to_string(facts.cores),
                   "all are used"};
     if (facts.usableCores < facts.cores) cores.means = "affinity or the control group's quota (cpu.max) grants no more";
-    return {{"processor", Kind::good, facts.processor, ""}, cores, judgeMemory(facts), judgeDescriptors(facts, options)};
+    return {{"processor", FindingKind::good, facts.processor, ""}, cores, judgeMemory(facts), judgeDescriptors(facts, options)};
 }
 
 Finding judgeAddress(const std::string& address) {
@@ -143,9 +144,9 @@ Finding judgeScene(const std::string& scene, const std::vector<std::string>& rec
 
 Finding judgeAttempt(const std::string& about, const std::function<std::string()>& work) {
     try {
-        return {about, Kind::good, work(), ""};
+        return {about, FindingKind::good, work(), ""};
     } catch (const std::exception& error) {
-        return {about, Kind::bad, error.what(), ""};
+        return {about, FindingKind::bad, error.what(), ""};
     }
 }
 
@@ -154,10 +155,10 @@ std::vector<Finding> judgeDeviceRows(const nlohmann::ordered_json& list, const s
     std::vector<Finding> findings;
     for (const auto& row : list) {
         const std::string name = row["name"];
-        Finding device{"device " + name, Kind::good, row.value("details", ""), ""};
+        Finding device{"device " + name, FindingKind::good, row.value("details", ""), ""};
         if (row.contains("type")) device.found += ", " + row.value("type", "") + ", " + row.value("driver", "");
         if (!row["refused"].is_null()) {
-            device.kind = Kind::note;
+            device.kind = FindingKind::note;
             device.means = "not used: " + row.value("refused", "");
         } else if (name == automatic) {
             device.means = "used: what auto means";
@@ -174,14 +175,14 @@ std::vector<Finding> judgeDeviceRows(const nlohmann::ordered_json& list, const s
 }
 
 bool wouldServe(const std::vector<Finding>& findings) {
-    return std::ranges::none_of(findings, [](const Finding& finding) { return finding.kind == Kind::bad; });
+    return std::ranges::none_of(findings, [](const Finding& finding) { return finding.kind == FindingKind::bad; });
 }
 
 std::string doctorText(const std::vector<Finding>& findings) {
     constexpr size_t COLUMN = 16;
     std::string text;
     for (const Finding& finding : findings) {
-        const char* mark = finding.kind == Kind::good ? "  " : finding.kind == Kind::note ? "? " : "! ";
+        const char* mark = finding.kind == FindingKind::good ? "  " : finding.kind == FindingKind::note ? "? " : "! ";
         std::string about = oneLine(finding.about);
         about.resize(std::max(about.size() + 1, COLUMN), ' ');
         text += mark + about + oneLine(finding.found) + "\n";

@@ -1,15 +1,13 @@
 #include "server/pace/autopilot.h"
 
+#include "server/pace/moving_scale.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace heliograph {
 
 namespace {
-
-constexpr double AFTER_DOWN = 0.85;  // of the budget, at most, after a way down
-constexpr double BEFORE_UP = 0.67;   // of the budget, at most, before a step up
-constexpr double ROOM_FOR = 0.5;     // seconds
 
 bool isLowest(const LadderCosts& costs, const LadderChoice& at) {
     return at.rung + 1 == costs.rungs() && at.step + 1 >= costs.steps();

@@ -1,5 +1,7 @@
 #include "server/pace/codec_choice.h"
 
+#include "server/pace/quality_ladder.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -7,12 +9,10 @@ namespace heliograph {
 
 namespace {
 
-constexpr double SHORT = 0.02;           // seconds, as of the quality ladder
-constexpr double TOO_LONG = 0.06;        // seconds, as there
-constexpr double PATIENCE = 10.0;        // seconds
-constexpr double MOST_PATIENCE = 320.0;  // seconds
-constexpr double REGRET = 10.0;          // seconds in which a video shows that JPEG came too soon
-constexpr double LONGEST_STEP = 0.2;     // seconds between two pictures that are one motion
+constexpr double CODEC_PATIENCE = 10.0;        // seconds
+constexpr double MOST_CODEC_PATIENCE = 320.0;  // seconds
+constexpr double CODEC_REGRET = 10.0;          // seconds in which a video shows that JPEG came too soon
+constexpr double LONGEST_STEP = 0.2;           // seconds between two pictures that are one motion
 
 }  // namespace
 
@@ -20,7 +20,7 @@ bool CodecChoice::seen(uint32_t level, double lineDelay, double viewerDelay, dou
     const double passed = std::min(now - std::exchange(seenAt_, now), LONGEST_STEP);
     if (!video_) {
         if (level == 0 || lineDelay < std::max(viewerDelay, TOO_LONG)) return false;
-        patience_ = now - triedAt_ < REGRET ? std::min(2.0 * patience_, MOST_PATIENCE) : PATIENCE;
+        patience_ = now - triedAt_ < CODEC_REGRET ? std::min(2.0 * patience_, MOST_CODEC_PATIENCE) : CODEC_PATIENCE;
         room_ = 0.0;
         return video_ = true;
     }

@@ -7,10 +7,6 @@ namespace heliograph {
 
 namespace {
 
-constexpr double AFTER_DOWN = 0.85;  // of the budget, at most, after a step down
-constexpr double BEFORE_UP = 0.67;   // of the budget, at most, before a step up
-constexpr double ROOM_FOR = 0.5;     // seconds
-
 double pixelShare(uint32_t step) { return std::pow(2.0 / 3.0, step); }
 
 }  // namespace

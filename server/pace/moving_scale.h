@@ -8,6 +8,12 @@
 
 namespace heliograph {
 
+/// What a choice may take of its budget: at most after a way down, and at most before a step up.
+constexpr double AFTER_DOWN = 0.85;
+constexpr double BEFORE_UP = 0.67;
+/// How long there must have been room for a step up, seconds.
+constexpr double ROOM_FOR = 0.5;
+
 /// Each step has two thirds of the pixels of the one before.
 constexpr uint32_t SCALE_STEPS = 11;
 /// Width of the picture at that step, as a share of its width at step 0.

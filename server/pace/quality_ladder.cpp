@@ -8,8 +8,6 @@ namespace heliograph {
 
 namespace {
 
-constexpr double TOO_LONG = 0.06;       // seconds
-constexpr double SHORT = 0.02;          // seconds
 constexpr double JUDGED = 1.0;          // seconds
 constexpr size_t LEAST_SEEN = 5;        // pictures
 constexpr double PATIENCE = 1.0;        // seconds

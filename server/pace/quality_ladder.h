@@ -11,6 +11,10 @@
 
 namespace heliograph {
 
+/// Queueing delays in seconds: above the one, less is sent; below the other for a while, more.
+constexpr double TOO_LONG = 0.06;
+constexpr double SHORT = 0.02;
+
 constexpr uint32_t QUALITY_LEVELS = 8;  // 0 is what was asked for
 
 /// JPEG quality at that level, where `asked` is that of level 0.

@@ -21,7 +21,7 @@ constexpr Choice choiceOf(bool Named::*) { return nullptr; }
 constexpr Amount amountOf(Amount setting) { return setting; }
 constexpr Amount amountOf(bool Named::*) { return nullptr; }
 
-constexpr EffectRow ROWS[] = {
+constexpr EffectRow EFFECT_ROWS[] = {
 #define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) \
     {CONSTANT,                                                                   \
      #name,                                                                      \
@@ -41,11 +41,11 @@ constexpr EffectRow ROWS[] = {
 
 }  // namespace
 
-std::span<const EffectRow> effectRows() { return ROWS; }
+std::span<const EffectRow> effectRows() { return EFFECT_ROWS; }
 
 EffectSet allowedEffects(const Settings& settings) {
     EffectSet allowed;
-    for (const EffectRow& row : ROWS) {
+    for (const EffectRow& row : EFFECT_ROWS) {
         if (row.allowedBy && !(settings.*row.allowedBy)) continue;
         if (row.chosenBy && settings.*row.chosenBy == 0) continue;
         if (row.parent != 0 && !allowed.has(row.parent)) continue;
@@ -57,7 +57,7 @@ EffectSet allowedEffects(const Settings& settings) {
 
 std::vector<std::string> effectNames(EffectSet effects) {
     std::vector<std::string> names;
-    for (const EffectRow& row : ROWS) {
+    for (const EffectRow& row : EFFECT_ROWS) {
         if (effects.has(row.bit)) names.emplace_back(row.name);
     }
     return names;

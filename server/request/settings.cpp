@@ -16,7 +16,7 @@ namespace {
 using Field = std::variant<bool Settings::*, uint32_t Settings::*, float Settings::*>;
 
 /// One row of settings_table.glsl.
-struct Row {
+struct SettingsRow {
     enum class Type { boolean, integer, real, choice };
     std::string_view name;
     std::string_view group;
@@ -35,16 +35,19 @@ struct Row {
     std::string_view help;
 };
 
-constexpr Row ROWS[] = {
-#define SETTING_BOOL(name, group, acts, def, label, effect, price, help) \
-    {#name, #group, Acts::acts, #acts, Row::Type::boolean, &Settings::name, def, 0, 1, "", "", label, effect, price, help},
-#define SETTING_INT(name, group, acts, def, low, high, unit, label, effect, price, help)              \
-    {#name, #group, Acts::acts, #acts, Row::Type::integer, &Settings::name, def, low, high, unit, "", \
+constexpr SettingsRow SETTINGS_ROWS[] = {
+#define SETTING_BOOL(name, group, acts, def, label, effect, price, help)                               \
+    {#name, #group, Acts::acts, #acts, SettingsRow::Type::boolean, &Settings::name, def, 0, 1, "", "", \
      label, effect, price,      help},
-#define SETTING_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) \
-    {#name, #group, Acts::acts, #acts, Row::Type::real, &Settings::name, def, low, high, unit, "", label, effect, price, help},
-#define SETTING_CHOICE(name, group, acts, def, choices, label, effect, price, help) \
-    {#name, #group, Acts::acts, #acts, Row::Type::choice, &Settings::name, def, 0, 0, "", choices, label, effect, price, help},
+#define SETTING_INT(name, group, acts, def, low, high, unit, label, effect, price, help)                      \
+    {#name, #group, Acts::acts, #acts, SettingsRow::Type::integer, &Settings::name, def, low, high, unit, "", \
+     label, effect, price,      help},
+#define SETTING_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help)                 \
+    {#name, #group, Acts::acts, #acts, SettingsRow::Type::real, &Settings::name, def, low, high, unit, "", \
+     label, effect, price,      help},
+#define SETTING_CHOICE(name, group, acts, def, choices, label, effect, price, help)                        \
+    {#name, #group, Acts::acts, #acts, SettingsRow::Type::choice, &Settings::name, def, 0, 0, "", choices, \
+     label, effect, price,      help},
 #include "shaders/kernel/settings_table.glsl"
 };
 
@@ -72,20 +75,20 @@ double asJsonNumber(float value) {
     return std::stod(spelled(value));
 }
 
-std::string allowed(const Row& row) {
+std::string allowed(const SettingsRow& row) {
     std::string unit = row.unit.empty() ? "" : " (" + std::string(row.unit) + ")";
     switch (row.type) {
-        case Row::Type::boolean: return "true or false";
-        case Row::Type::integer: return "a whole number from " + spelled(row.low) + " to " + spelled(row.high) + unit;
-        case Row::Type::real: return "a number from " + spelled(row.low) + " to " + spelled(row.high) + unit;
-        case Row::Type::choice: break;
+        case SettingsRow::Type::boolean: return "true or false";
+        case SettingsRow::Type::integer: return "a whole number from " + spelled(row.low) + " to " + spelled(row.high) + unit;
+        case SettingsRow::Type::real: return "a number from " + spelled(row.low) + " to " + spelled(row.high) + unit;
+        case SettingsRow::Type::choice: break;
     }
     std::string list = "one of";
     for (const std::string& word : wordsOf(row.choices)) list += " " + word;
     return list;
 }
 
-[[noreturn]] void refuse(const Row& row, const std::string& found) {
+[[noreturn]] void refuse(const SettingsRow& row, const std::string& found) {
     throw InputError("setting " + std::string(row.name), found, allowed(row));
 }
 
@@ -95,16 +98,16 @@ std::string shown(const nlohmann::json& value) {
     return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 
-const Row& rowNamed(std::string_view name) {
-    for (const Row& row : ROWS) {
+const SettingsRow& rowNamed(std::string_view name) {
+    for (const SettingsRow& row : SETTINGS_ROWS) {
         if (row.name == name) return row;
     }
     std::string list = "one of";
-    for (const Row& row : ROWS) list += " " + std::string(row.name);
+    for (const SettingsRow& row : SETTINGS_ROWS) list += " " + std::string(row.name);
     throw InputError("setting", "unknown name " + shown(std::string(name)), list);
 }
 
-uint32_t choiceIndex(const Row& row, const nlohmann::json& value) {
+uint32_t choiceIndex(const SettingsRow& row, const nlohmann::json& value) {
     std::string word;
     if (value.is_string()) word = value.get<std::string>();
     if (value.is_number()) word = spelled(value.get<double>());
@@ -117,9 +120,9 @@ uint32_t choiceIndex(const Row& row, const nlohmann::json& value) {
 
 /// Of the forms that a command line offers, the JSON value that the row's type asks for. Text that is none stays text and
 /// is refused by `set`.
-nlohmann::json parsed(const Row& row, const std::string& text) {
-    if (row.type == Row::Type::choice) return text;
-    if (row.type == Row::Type::boolean) {
+nlohmann::json parsed(const SettingsRow& row, const std::string& text) {
+    if (row.type == SettingsRow::Type::choice) return text;
+    if (row.type == SettingsRow::Type::boolean) {
         if (text == "true" || text == "on" || text == "yes" || text == "1") return true;
         if (text == "false" || text == "off" || text == "no" || text == "0") return false;
         return text;
@@ -133,13 +136,13 @@ nlohmann::json parsed(const Row& row, const std::string& text) {
 }  // namespace
 
 void Settings::set(std::string_view name, const nlohmann::json& value) {
-    const Row& row = rowNamed(name);
-    if (row.type == Row::Type::boolean) {
+    const SettingsRow& row = rowNamed(name);
+    if (row.type == SettingsRow::Type::boolean) {
         if (!value.is_boolean()) refuse(row, shown(value));
         this->*std::get<bool Settings::*>(row.field) = value.get<bool>();
         return;
     }
-    if (row.type == Row::Type::choice) {
+    if (row.type == SettingsRow::Type::choice) {
         this->*std::get<uint32_t Settings::*>(row.field) = choiceIndex(row, value);
         return;
     }
@@ -147,7 +150,7 @@ void Settings::set(std::string_view name, const nlohmann::json& value) {
     double number = value.get<double>();
     // Written so that NaN is refused too.
     if (!(number >= row.low && number <= row.high)) refuse(row, shown(value));
-    if (row.type == Row::Type::real) {
+    if (row.type == SettingsRow::Type::real) {
         this->*std::get<float Settings::*>(row.field) = static_cast<float>(number);
         return;
     }
@@ -167,15 +170,15 @@ std::string Settings::setFromText(std::string_view keyEqualsValue) {
 
 nlohmann::json Settings::toJson() const {
     nlohmann::json values = nlohmann::json::object();
-    for (const Row& row : ROWS) {
+    for (const SettingsRow& row : SETTINGS_ROWS) {
         std::string name(row.name);
-        if (row.type == Row::Type::boolean) {
+        if (row.type == SettingsRow::Type::boolean) {
             values[name] = this->*std::get<bool Settings::*>(row.field);
-        } else if (row.type == Row::Type::real) {
+        } else if (row.type == SettingsRow::Type::real) {
             values[name] = asJsonNumber(this->*std::get<float Settings::*>(row.field));
         } else {
             uint32_t number = this->*std::get<uint32_t Settings::*>(row.field);
-            if (row.type == Row::Type::choice) values[name] = choiceWord(row.name, number);
+            if (row.type == SettingsRow::Type::choice) values[name] = choiceWord(row.name, number);
             else values[name] = number;
         }
     }
@@ -183,8 +186,8 @@ nlohmann::json Settings::toJson() const {
 }
 
 std::string Settings::choiceWord(std::string_view name, uint32_t value) {
-    for (const Row& row : ROWS) {
-        if (row.name == name && row.type == Row::Type::choice) return wordsOf(row.choices).at(value);
+    for (const SettingsRow& row : SETTINGS_ROWS) {
+        if (row.name == name && row.type == SettingsRow::Type::choice) return wordsOf(row.choices).at(value);
     }
     throw std::out_of_range("no choice setting " + std::string(name));
 }
@@ -210,7 +213,7 @@ nlohmann::json settingsSchema() {
     static const char* const TYPES[] = {"bool", "int", "float", "choice"};
     nlohmann::json schema = nlohmann::json::array();
     const nlohmann::json defaults = Settings{}.toJson();
-    for (const Row& row : ROWS) {
+    for (const SettingsRow& row : SETTINGS_ROWS) {
         nlohmann::json entry = {{"name", row.name},
                                 {"type", TYPES[static_cast<size_t>(row.type)]},
                                 {"default", defaults.at(std::string(row.name))},
@@ -221,14 +224,14 @@ nlohmann::json settingsSchema() {
                                 {"help", row.help},
                                 {"group", row.group},
                                 {"acts", row.actsWord}};
-        bool range = row.type == Row::Type::integer || row.type == Row::Type::real;
+        bool range = row.type == SettingsRow::Type::integer || row.type == SettingsRow::Type::real;
         entry["low"] = range ? nlohmann::json(asJsonNumber(static_cast<float>(row.low))) : nlohmann::json(nullptr);
         entry["high"] = range ? nlohmann::json(asJsonNumber(static_cast<float>(row.high))) : nlohmann::json(nullptr);
-        if (row.type == Row::Type::integer) {
+        if (row.type == SettingsRow::Type::integer) {
             entry["low"] = static_cast<uint32_t>(row.low);
             entry["high"] = static_cast<uint32_t>(row.high);
         }
-        if (row.type == Row::Type::choice) entry["choices"] = wordsOf(row.choices);
+        if (row.type == SettingsRow::Type::choice) entry["choices"] = wordsOf(row.choices);
         schema.push_back(entry);
     }
     return schema;

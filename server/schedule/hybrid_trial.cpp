@@ -13,7 +13,7 @@ constexpr double PAUSE = 0.1;  // seconds
 /// corrected soon, a right one costs ever less.
 constexpr double SOON = 0.5, LATE = 40.0;
 /// What all together must gain to be worth it.
-constexpr double LEAST_GAIN = 0.02;
+constexpr double WORTH_A_CHANGE = 0.02;
 constexpr double SMOOTHING = 0.2;
 
 }  // namespace
@@ -33,7 +33,7 @@ bool HybridTrial::together(double now) {
         turn(1 - side_);
         return side_ == TOGETHER;
     }
-    const int better = gain() > LEAST_GAIN ? TOGETHER : ALONE;
+    const int better = gain() > WORTH_A_CHANGE ? TOGETHER : ALONE;
     if (better != winner_) {
         winner_ = better;
         patience_ = SOON;

@@ -3,6 +3,7 @@
 #include "server/app/devices.h"
 #include "server/base/clock.h"
 #include "server/base/error.h"
+#include "server/base/json_text.h"
 #include "server/base/output_file.h"
 #include "server/base/progress_bar.h"
 #include "server/lab/accuracy/accuracy_json.h"
@@ -28,10 +29,6 @@ constexpr double SAVE_EVERY = 5.0;              // seconds
 
 std::span<const uint8_t> bytesOf(const std::string& text) {
     return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
-}
-
-std::string dumped(const nlohmann::ordered_json& json, int indent) {
-    return json.dump(indent, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 std::string content(const std::string& path) {

@@ -19,7 +19,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr int64_t MOST_VIEWS = 16, MOST_SAMPLES = 1 << 16, MOST_REFERENCE = 1 << 20;
+constexpr int64_t MOST_VIEWS = 16, MOST_SAMPLES = 1 << 16, MOST_ADAPTIVE_REFERENCE = 1 << 20;
 constexpr double LEAST_TARGET = 0.01, MOST_TARGET = 50.0;  // %
 
 void checkBounds(const BenchAdaptiveOptions& options) {
@@ -30,7 +30,7 @@ void checkBounds(const BenchAdaptiveOptions& options) {
     within("--views", options.views, int64_t{1}, MOST_VIEWS);
     within("--target", options.target, LEAST_TARGET, MOST_TARGET);
     within("--samples", options.samples, int64_t{ADAPTIVE_FROM}, MOST_SAMPLES);
-    within("--reference", options.reference, int64_t{2 * Reference::RUN}, MOST_REFERENCE);
+    within("--reference", options.reference, int64_t{2 * Reference::RUN}, MOST_ADAPTIVE_REFERENCE);
 }
 
 }  // namespace

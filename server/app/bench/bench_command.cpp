@@ -7,10 +7,12 @@
 #include "server/app/bench/bench_autopilot.h"
 #include "server/app/bench/bench_forecast.h"
 #include "server/app/devices.h"
+#include "server/base/error.h"
+#include "server/base/json_text.h"
+#include "server/base/machine.h"
 #include "server/base/output_file.h"
 #include "server/base/progress_bar.h"
-#include "server/base/error.h"
-#include "server/base/machine.h"
+#include "server/base/text.h"
 #include "server/lab/device_bench.h"
 #include "server/lab/frame_bench.h"
 #include "server/lab/hybrid_bench.h"
@@ -55,17 +57,6 @@ struct Bench {
         device->load(scene, given.settings, progress);
     }
 };
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    char text[256];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
-
-std::string dumped(const nlohmann::ordered_json& json) {
-    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-}
 
 void printForPeople(const FrameBenchResult& r, std::ostream& out) {
     const nlohmann::ordered_json json = toJson(r);

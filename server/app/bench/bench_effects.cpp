@@ -1,11 +1,12 @@
 #include "server/app/bench/bench_effects.h"
 
-#include "server/lab/bench_partner.h"
 #include "server/app/devices.h"
-#include "server/base/progress_bar.h"
 #include "server/base/clock.h"
 #include "server/base/error.h"
+#include "server/base/json_text.h"
+#include "server/base/progress_bar.h"
 #include "server/base/text.h"
+#include "server/lab/bench_partner.h"
 #include "server/lab/effect_bench.h"
 #include "server/render/frame_renderer.h"
 #include "server/scene/load/scene_source.h"
@@ -21,7 +22,7 @@ namespace {
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-constexpr int64_t MOST_REPETITIONS = 100'000;
+constexpr int64_t MOST_EFFECT_REPETITIONS = 100'000;
 constexpr uint32_t WARM_UP_PAIRS = 1;  // of each start
 constexpr uint32_t PAIRS = 3;          // then, of which the middle one counts
 
@@ -33,8 +34,9 @@ struct Opened {
 };
 
 EffectBenchOptions checkedBounds(const BenchEffectsOptions& options, const Settings& settings) {
-    if (options.repetitions < 1 || options.repetitions > MOST_REPETITIONS) {
-        throw InputError("--repetitions", std::to_string(options.repetitions), "1 to " + std::to_string(MOST_REPETITIONS));
+    if (options.repetitions < 1 || options.repetitions > MOST_EFFECT_REPETITIONS) {
+        throw InputError("--repetitions", std::to_string(options.repetitions),
+                         "1 to " + std::to_string(MOST_EFFECT_REPETITIONS));
     }
     if (!(options.limit > 0.0 && options.limit <= 100.0)) {
         throw InputError("--limit", std::to_string(options.limit), "percent, above 0 and up to 100");
@@ -58,13 +60,6 @@ Opened opened(const BenchEffectsOptions& options, const Progress& progress) {
     result.device = makeRenderer(given.settings);
     result.device->load(result.scene, given.settings, progress);
     return result;
-}
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    char text[256];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
 }
 
 std::string listed(const std::vector<std::string>& words) { return words.empty() ? "none" : joined(words); }
@@ -123,7 +118,7 @@ auto measured(const Measure& measure) {
 
 template <typename Result>
 void print(const Result& result, bool asJson, std::ostream& out) {
-    if (asJson) out << toJson(result).dump(2, ' ', false, json::error_handler_t::replace) << "\n";
+    if (asJson) out << dumped(toJson(result));
     else printForPeople(result, out);
 }
 

@@ -3,6 +3,7 @@
 #include "server/app/bench/bench_views.h"
 #include "server/app/devices.h"
 #include "server/base/error.h"
+#include "server/base/json_text.h"
 #include "server/base/progress_bar.h"
 #include "server/lab/live/forecast_check.h"
 #include "server/lab/accuracy/reference.h"
@@ -17,7 +18,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr int64_t MOST_VIEWS = 16, MOST_SAMPLES = 4096, MOST_REFERENCE = 1 << 20;
+constexpr int64_t MOST_VIEWS = 16, MOST_SAMPLES = 4096, MOST_FORECAST_REFERENCE = 1 << 20;
 
 void checkBounds(const BenchForecastOptions& options) {
     auto within = [](const char* option, int64_t value, int64_t low, int64_t high) {
@@ -26,7 +27,7 @@ void checkBounds(const BenchForecastOptions& options) {
     };
     within("--views", options.views, 1, MOST_VIEWS);
     within("--samples", options.samples, FORETOLD_FROM, MOST_SAMPLES);
-    within("--reference", options.reference, 2 * Reference::RUN, MOST_REFERENCE);
+    within("--reference", options.reference, 2 * Reference::RUN, MOST_FORECAST_REFERENCE);
     if (std::has_single_bit(static_cast<uint64_t>(options.samples))) return;
     throw InputError("--samples", std::to_string(options.samples), "a power of two");
 }
@@ -58,7 +59,7 @@ int runBenchForecast(const BenchForecastOptions& options, std::ostream& out) {
         }
     }
     if (!options.json) out << toTable(checked);
-    else out << toJson(checked).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    else out << dumped(toJson(checked));
     return 0;
 }
 

@@ -58,13 +58,6 @@ ordered_json referenceJson(const AccuracySweep& sweep, bool light) {
     return {{"samples", samples}, {"ms", ms}, {"rmse", sweep.referenceError(light)}};
 }
 
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    char text[256];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
-
 }  // namespace
 
 double samplesSlope(const AccuracySweep& sweep) {

@@ -1,4 +1,5 @@
 #include "server/lab/accuracy/accuracy_json.h"
+#include "server/base/text.h"
 #include "server/lab/accuracy/report.h"
 
 #include <algorithm>
@@ -10,13 +11,6 @@ namespace heliograph {
 namespace {
 
 constexpr double WIDTH = 760.0, HEIGHT = 440.0, LEFT = 70.0, RIGHT = 20.0, TOP = 16.0, BOTTOM = 52.0;
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    char text[512];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
 
 /// A logarithmic axis from a to b, drawn from `from` to `to`.
 struct Axis {

@@ -32,13 +32,6 @@ th{font-weight:600}th:nth-child(-n+2),td:nth-child(-n+2),td:last-child{text-alig
 figure{max-width:480px}figure img{width:100%;height:auto;display:block}figcaption{font-size:13px;margin-top:4px}
 </style>)";
 
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    char text[512];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
-
 std::string percent(double share) { return formatted(share < 0.1 ? "%.2g %%" : "%.0f %%", 100.0 * share); }
 
 std::string moreMs(double ms) { return formatted(std::abs(ms) < 100.0 ? "%+.2g ms" : "%+.0f ms", ms); }

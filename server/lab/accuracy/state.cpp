@@ -23,7 +23,7 @@ void readTiming(const json& from, Timing& timing) {
     from.at("rays").get_to(timing.rays.by);
 }
 
-ordered_json linearJson(const LinearError& error) { return {error.rmse, error.relativeMse, error.bias, error.rmseAll}; }
+ordered_json linearRow(const LinearError& error) { return {error.rmse, error.relativeMse, error.bias, error.rmseAll}; }
 
 LinearError linearOf(const json& from) {
     return {from.at(0).get<double>(), from.at(1).get<double>(), from.at(2).get<double>(), from.at(3).get<double>()};
@@ -37,8 +37,8 @@ ordered_json pointJson(const AccuracyPoint& point) {
             {"second", timingJson(point.time.second)},
             {"ms", point.ms},
             {"bytes", point.bytes},
-            {"own", linearJson(point.error.own)},
-            {"light", linearJson(point.error.light)},
+            {"own", linearRow(point.error.own)},
+            {"light", linearRow(point.error.light)},
             {"display", {point.error.display.psnrDb, point.error.display.p99, point.error.display.flip}},
             {"measured", point.measured}};
 }

@@ -1,6 +1,7 @@
 #include "server/scene/build/mesh_prepare.h"
 
 #include "server/scene/build/mesh_tangents.h"
+#include "server/scene/build/transform.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,14 +16,6 @@ constexpr float LARGEST_COORDINATE = 1e18f;
 bool usable(vec3 p) {
     return std::abs(p.x) <= LARGEST_COORDINATE && std::abs(p.y) <= LARGEST_COORDINATE &&
            std::abs(p.z) <= LARGEST_COORDINATE;  // false for NaN
-}
-
-template <typename T>
-bool finite(const T& value) {
-    for (int i = 0; i < T::length(); i++) {
-        if (!std::isfinite(value[i])) return false;
-    }
-    return true;
 }
 
 template <typename T>

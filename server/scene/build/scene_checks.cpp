@@ -1,6 +1,7 @@
 #include "server/scene/build/scene_checks.h"
 
 #include "server/scene/build/default_camera.h"
+#include "server/scene/build/transform.h"
 
 #include <fmt/format.h>
 
@@ -13,14 +14,6 @@ namespace heliograph {
 namespace {
 
 constexpr float FARTHEST_LIGHT = 1e18f;  // squared distances are floats
-
-template <typename T>
-bool finite(const T& v) {
-    for (int i = 0; i < T::length(); i++) {
-        if (!std::isfinite(v[i])) return false;
-    }
-    return true;
-}
 
 /// Clamps, and counts what was not a number or out of range.
 class Repair {

@@ -5,7 +5,18 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include <cmath>
+
 namespace heliograph {
+
+/// Whether every component is a number. T: a vector of floats.
+template <typename T>
+bool finite(const T& value) {
+    for (int i = 0; i < T::length(); i++) {
+        if (!std::isfinite(value[i])) return false;
+    }
+    return true;
+}
 
 using glm::dmat3;
 using glm::dmat4;

@@ -60,7 +60,7 @@ cathedral::Materials addCathedralMaterials(SceneBuilder& builder) {
     return m;
 }
 
-void addViews(SceneBuilder& builder) {
+void addCathedralViews(SceneBuilder& builder) {
     builder.addCamera(cameraAt("Nave", {0.7f, 1.9f, 12.4f}, {-0.35f, 5.4f, -8.0f}, 66.0f));
     builder.addCamera(cameraAt("Aisle", {6.5f, 1.7f, 11.0f}, {4.2f, 2.9f, -6.0f}, 62.0f));
     builder.addCamera(cameraAt("Altar", {1.6f, 2.0f, -4.6f}, {-0.2f, 3.6f, -13.0f}, 60.0f));
@@ -106,7 +106,7 @@ void fillCathedral(SceneBuilder& builder) {
                                                            .seed = 3})));
     builder.setAoRadius(3.0f);
     builder.setExposure(0.25f);
-    addViews(builder);
+    addCathedralViews(builder);
 }
 
 }  // namespace heliograph

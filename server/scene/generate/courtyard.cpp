@@ -61,7 +61,7 @@ uint32_t addWater(SceneBuilder& builder) {
     return builder.addMaterial(water, "water");
 }
 
-void addViews(SceneBuilder& builder) {
+void addCourtyardViews(SceneBuilder& builder) {
     builder.addCamera(cameraAt("Court", {8.3f, 1.45f, 4.7f}, {-2.6f, 2.9f, -2.6f}, 62.0f));
     builder.addCamera(cameraAt("Gallery", {-12.15f, 1.65f, 6.9f}, {-11.2f, 1.95f, -8.0f}, 62.0f));
     builder.addCamera(cameraAt("Upper gallery", {-11.0f, 6.65f, -3.2f}, {3.0f, 2.6f, 1.4f}, 66.0f));
@@ -122,7 +122,7 @@ void fillCourtyard(SceneBuilder& builder) {
                                                            .seed = 5})));
     builder.setAoRadius(2.5f);
     builder.setExposure(0.0f);
-    addViews(builder);
+    addCourtyardViews(builder);
 }
 
 }  // namespace heliograph

@@ -87,7 +87,7 @@ void addOpaqueThings(SceneBuilder& builder) {
     builder.addInstance(builder.addMesh(terrace.take()), mat4(1.0f));
 }
 
-void addViews(SceneBuilder& builder) {
+void addGlassViews(SceneBuilder& builder) {
     builder.addCamera(cameraAt("Still life", {0.30f, 0.33f, 0.86f}, {0.005f, 0.092f, -0.06f}, 42.0f));
     builder.addCamera(cameraAt("Rabbit", {0.14f, 0.16f, 0.42f}, {0.0f, 0.125f, -0.03f}, 48.0f));
     builder.addCamera(cameraAt("Knot", {0.48f, 0.24f, 0.20f}, {0.21f, 0.15f, -0.22f}, 50.0f));
@@ -119,7 +119,7 @@ void fillGlass(SceneBuilder& builder) {
                                                            .seed = 21})));
     builder.setAoRadius(0.12f);
     builder.setExposure(0.0f);
-    addViews(builder);
+    addGlassViews(builder);
 }
 
 }  // namespace heliograph

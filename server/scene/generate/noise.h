@@ -3,6 +3,9 @@
 
 #include "server/kernel/kernel_types.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace heliograph::generate {
 
 /// A small generator (PCG32, M. E. O'Neill, 2014).
@@ -17,6 +20,15 @@ public:
 private:
     uint64_t state_;
 };
+
+/// From 0 at `low` to 1 at `high`, without an edge at either.
+inline float stepBetween(float low, float high, float x) {
+    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
+    return t * t * (3.0f - 2.0f * t);
+}
+
+/// What is left over the next lower whole number.
+inline float fraction(float x) { return x - std::floor(x); }
 
 /// A hash of two lattice coordinates and a seed, uniform in [0, 1).
 float hash01(int x, int y, uint32_t seed);

@@ -11,11 +11,6 @@ namespace heliograph::generate {
 
 namespace {
 
-float stepBetween(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
-}
-
 vec3 skyRadiance(const SkyLook& look, vec3 d, vec2 uv) {
     const float up = std::max(d.y, 0.0f);
     const float low = std::pow(1.0f - up, 3.5f);

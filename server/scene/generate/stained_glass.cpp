@@ -10,8 +10,6 @@ namespace {
 
 constexpr float TURN = 6.2831853f;
 
-float fraction(float x) { return x - std::floor(x); }
-
 /// Linear transmittances of one window's glass.
 struct Palette {
     vec3 ground, second, third, accent, pale;

@@ -14,13 +14,6 @@ namespace {
 
 uint8_t byteOf(float x) { return uint8_t(std::clamp(x, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-float stepBetween(float low, float high, float x) {
-    const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-    return t * t * (3.0f - 2.0f * t);
-}
-
-float fraction(float x) { return x - std::floor(x); }
-
 /// A rectangular stone of a bond: its cell and the distance to its nearest joint, in units of u.
 struct Stone {
     int column, row;

@@ -1,7 +1,8 @@
 #include "server/device/vulkan/trace/batch.h"
 
+#include "server/base/clock.h"
+
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 
 namespace heliograph {
@@ -9,8 +10,6 @@ namespace heliograph {
 namespace {
 
 constexpr VkBufferUsageFlags STORAGE = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 uint64_t groupsOf(const Tile& tile) { return uint64_t((tile.size.x + 7) / 8) * ((tile.size.y + 7) / 8); }
 uint64_t pixelsOf(const Tile& tile) { return uint64_t(tile.size.x) * tile.size.y; }
@@ -124,7 +123,7 @@ void Batch::submit(VkPipeline pipeline, VkPipeline firstSurface, const FrameCons
     std::memcpy(frame_.data(), &frame, sizeof frame);
     std::memcpy(tileList_.data(), entries_.data(), entries_.size() * sizeof(TraceTile));
     record(pipeline, firstSurface);
-    submittedAt_ = now();
+    submittedAt_ = wallSeconds();
     number_ = gpu_.submit(commands_);
 }
 
@@ -169,7 +168,7 @@ void Batch::record(VkPipeline pipeline, VkPipeline firstSurface) {
 double Batch::finish() {
     gpu_.wait(number_);
     number_ = 0;
-    double wall = now() - submittedAt_;
+    double wall = wallSeconds() - submittedAt_;
     uint64_t stamps[2] = {0, 0};
     VkResult read = vkGetQueryPoolResults(gpu_.handle(), queries_.get(), 0, 2, sizeof stamps, stamps, sizeof(uint64_t),
                                           VK_QUERY_RESULT_64_BIT);

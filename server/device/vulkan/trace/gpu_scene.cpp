@@ -1,17 +1,15 @@
 #include "server/device/vulkan/trace/gpu_scene.h"
 
+#include "server/base/clock.h"
 #include "server/base/error.h"
 #include "server/device/vulkan/tree/bvh_builder.h"
 #include "server/scene/kernel_tables.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace heliograph {
 
 namespace {
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::string mebibytes(uint64_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
 
@@ -74,9 +72,9 @@ void GpuScene::put(uint32_t index, const char* what, const T* data, size_t count
 GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, uint32_t quality, const Progress& progress)
     : gpu_(gpu), scene_(std::move(scene)), bvhWidth_(widthFor(gpu.physical())), varieties_(varietiesOf(*scene_)) {
     putTrees(quality, progress);
-    const double begin = now();
+    const double begin = wallSeconds();
     putArrays();
-    uploadSeconds_ += now() - begin;
+    uploadSeconds_ += wallSeconds() - begin;
 }
 
 GpuScene::GpuScene(const GpuScene& other, uint32_t quality, const Progress& progress)
@@ -87,23 +85,23 @@ GpuScene::GpuScene(const GpuScene& other, uint32_t quality, const Progress& prog
 
 GpuScene::GpuScene(Gpu& gpu, std::shared_ptr<const Scene> scene, const Progress& progress)
     : gpu_(gpu), scene_(std::move(scene)) {
-    double begin = now();
+    double begin = wallSeconds();
     report(progress, "uploading the scene", 0.0);
     put(BINDING_INSTANCES, "instances", scene_->instances.data(), scene_->instances.size());
     putArrays();
-    uploadSeconds_ = now() - begin;
+    uploadSeconds_ = wallSeconds() - begin;
 }
 
 // Builds the trees and uploads them, with the instances, which know their roots.
 void GpuScene::putTrees(uint32_t quality, const Progress& progress) {
-    double begin = now();
+    double begin = wallSeconds();
     BvhOptions options;
     options.width = bvhWidth_;
     options.maxLeaf = bvhWidth_ == 4 ? 4 : 3;
     options.quality = quality;
     Bvh bvh = buildBvh(*scene_, options, progress);
     stackDepth_ = bvh.stackDepth;
-    double built = now();
+    double built = wallSeconds();
     buildSeconds_ = built - begin;
     report(progress, "uploading the scene", 0.8);
     std::vector<Instance> instances = scene_->instances;
@@ -111,7 +109,7 @@ void GpuScene::putTrees(uint32_t quality, const Progress& progress) {
     put(BINDING_INSTANCES, "instances", instances.data(), instances.size());
     put(BINDING_BVH_NODES, "tree nodes", bvh.nodes.data.get(), bvh.nodes.count);
     put(BINDING_BVH_TRIANGLES, "triangles of the tree", bvh.triangles.data.get(), bvh.triangles.count);
-    uploadSeconds_ = now() - built;
+    uploadSeconds_ = wallSeconds() - built;
 }
 
 // What is the same for all trees.
