@@ -9,6 +9,9 @@ namespace {
 /// The first frame after a change or a pause is not counted: rates, caches and clocks settle.
 constexpr uint32_t SETTLING = 1;
 constexpr double PAUSE = 0.1;  // seconds
+/// So many frames after pauses in a row are set aside. More of them are no exception: heavy frames of a view that takes turns
+/// with others all come after a pause, and a trial that waited for better ones would stay on its side for ever.
+constexpr uint32_t PAUSES_SET_ASIDE = 2;
 /// The loser is tried again after half a second, then twice as long each time that it loses again: a wrong verdict is
 /// corrected soon, a right one costs ever less.
 constexpr double SOON = 0.5, LATE = 40.0;
@@ -26,7 +29,6 @@ void HybridTrial::turn(int side) {
 }
 
 bool HybridTrial::together(double now) {
-    if (now - lastEnd_ > PAUSE && !tried(sides_[side_])) turn(side_);
     if (!tried(sides_[side_])) return side_ == TOGETHER;
     const Side& other = sides_[1 - side_];
     if (other.rate <= 0.0) {
@@ -51,14 +53,18 @@ bool HybridTrial::together(double now) {
 void HybridTrial::note(double cost, double seconds, double now) {
     if (!(cost > 0.0) || !(seconds > 0.0)) return;
     Side& current = sides_[side_];
-    const bool afterPause = now - seconds - lastEnd_ > PAUSE;
+    pausesInRow_ = now - seconds - lastEnd_ > PAUSE ? pausesInRow_ + 1 : 0;
+    const bool setAside = pausesInRow_ > 0 && pausesInRow_ <= PAUSES_SET_ASIDE;
     lastEnd_ = now;
     current.measuredAt = now;
     if (tried(current)) {
-        if (!afterPause) current.rate += SMOOTHING * (cost / seconds - current.rate);
+        if (!setAside) current.rate += SMOOTHING * (cost / seconds - current.rate);
         return;
     }
-    if (afterPause) current.frames = 0;
+    if (setAside) {
+        current.frames = std::max(current.frames, SETTLING);  // nothing else has to settle after it
+        return;
+    }
     current.frames++;
     if (current.frames <= SETTLING) return;
     current.trial[current.frames - SETTLING - 1] = cost / seconds;

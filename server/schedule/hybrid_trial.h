@@ -35,7 +35,8 @@ private:
     int side_ = TOGETHER;
     int winner_ = TOGETHER;
     double lastEnd_ = 0.0;
-    double patience_ = 0.0;  // seconds until the loser is tried again
+    uint32_t pausesInRow_ = 0;  // frames that began after one
+    double patience_ = 0.0;     // seconds until the loser is tried again
 };
 
 }  // namespace heliograph

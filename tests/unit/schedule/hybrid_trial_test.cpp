@@ -9,10 +9,11 @@ struct Counts {
     int together = 0, alone = 0;
 };
 
-/// Frames of cost 1 that take so long together and alone, from `now` on.
-Counts play(HybridTrial& trial, int frames, double together, double alone, double& now) {
+/// Frames of cost 1 that take so long together and alone, from `now` on, each after a pause.
+Counts play(HybridTrial& trial, int frames, double together, double alone, double& now, double pause = 0.0) {
     Counts counts;
     for (int i = 0; i < frames; i++) {
+        now += pause;
         const bool all = trial.together(now);
         (all ? counts.together : counts.alone)++;
         const double seconds = all ? together : alone;
@@ -67,6 +68,32 @@ TEST(HybridTrial, TheFirstFrameAfterAPauseDoesNotCount) {
         now += 1.0;
     }
     EXPECT_NEAR(trial.gain(), 0.1, 1e-9);
+}
+
+TEST(HybridTrial, HeavyFramesThatTakeTurnsWithOtherViewsAreMeasuredToo) {
+    double now = 0.0;
+    HybridTrial good, bad;
+    play(good, 12, 0.125, 0.200, now, 0.15);
+    EXPECT_NEAR(good.gain(), 0.6, 1e-9);
+    EXPECT_GT(play(good, 400, 0.125, 0.200, now, 0.15).together, 360);
+    play(bad, 12, 0.200, 0.125, now, 0.15);
+    EXPECT_LT(bad.gain(), 0.0);
+    EXPECT_GT(play(bad, 400, 0.200, 0.125, now, 0.15).alone, 360);
+    EXPECT_GT(play(good, 400, 0.200, 0.125, now, 0.15).alone, 300) << "the other side has become faster";
+}
+
+TEST(HybridTrial, ATrialThatAPauseInterruptsGoesOn) {
+    double now = 0.0;
+    HybridTrial trial;
+    play(trial, 4, 0.010, 0.015, now);
+    for (int i = 0; i < 3; i++) {
+        play(trial, 1, 0.010, 0.015, now);
+        now += 1.0;
+        play(trial, 1, 0.100, 0.100, now);  // as after sleep
+    }
+    play(trial, 1, 0.010, 0.015, now);
+    EXPECT_TRUE(trial.measured());
+    EXPECT_NEAR(trial.gain(), 0.5, 1e-9);
 }
 
 TEST(HybridTrial, NothingIsSaidBeforeBothSidesAreMeasured) {
