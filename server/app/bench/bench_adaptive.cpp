@@ -19,7 +19,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr int64_t MOST_VIEWS = 16, MOST_SAMPLES = 1 << 16, MOST_ADAPTIVE_REFERENCE = 1 << 20;
+constexpr int64_t MOST_ADAPTIVE_VIEWS = 16, MOST_ADAPTIVE_SAMPLES = 1 << 16, MOST_ADAPTIVE_REFERENCE = 1 << 20;
 constexpr double LEAST_TARGET = 0.01, MOST_TARGET = 50.0;  // %
 
 void checkBounds(const BenchAdaptiveOptions& options) {
@@ -27,9 +27,9 @@ void checkBounds(const BenchAdaptiveOptions& options) {
         if (value >= low && value <= high) return;
         throw InputError(option, fmt::format("{}", value), fmt::format("{} to {}", low, high));
     };
-    within("--views", options.views, int64_t{1}, MOST_VIEWS);
+    within("--views", options.views, int64_t{1}, MOST_ADAPTIVE_VIEWS);
     within("--target", options.target, LEAST_TARGET, MOST_TARGET);
-    within("--samples", options.samples, int64_t{ADAPTIVE_FROM}, MOST_SAMPLES);
+    within("--samples", options.samples, int64_t{ADAPTIVE_FROM}, MOST_ADAPTIVE_SAMPLES);
     within("--reference", options.reference, int64_t{2 * Reference::RUN}, MOST_ADAPTIVE_REFERENCE);
 }
 

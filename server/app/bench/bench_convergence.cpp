@@ -15,15 +15,15 @@ namespace heliograph {
 
 namespace {
 
-constexpr int64_t MOST_SAMPLES = 1 << 20;
+constexpr int64_t MOST_CONVERGENCE_SAMPLES = 1 << 20;
 
 void checkBounds(const BenchConvergenceOptions& options) {
     auto within = [](const char* option, int64_t value, int64_t low, int64_t high) {
         if (value >= low && value <= high) return;
         throw InputError(option, std::to_string(value), std::to_string(low) + " to " + std::to_string(high));
     };
-    within("--samples", options.samples, 1, MOST_SAMPLES);
-    within("--reference", options.reference, 2 * Reference::RUN, MOST_SAMPLES);
+    within("--samples", options.samples, 1, MOST_CONVERGENCE_SAMPLES);
+    within("--reference", options.reference, 2 * Reference::RUN, MOST_CONVERGENCE_SAMPLES);
     if (!std::has_single_bit(static_cast<uint64_t>(options.samples)))
         throw InputError("--samples", std::to_string(options.samples), "a power of two");
     if (!(options.target > 0.0 && options.target <= 100.0))

@@ -41,12 +41,12 @@ LinearPicture meanPicture(const Sums& sums, uvec2 resolution, uint32_t samples) 
 }
 
 /// What rows are judged by.
-struct Truth {
+struct HalvedTruth {
     LinearPicture picture, halves[2];
     std::vector<bool> all, smooth;
     double mean = 1.0;
 
-    Truth(const Reference& reference, const Sums& variances)
+    HalvedTruth(const Reference& reference, const Sums& variances)
         : picture(reference.picture()), halves{reference.half(0), reference.half(1)} {
         const double level = meanOfAll(picture);
         if (level > 0.0) mean = level;
@@ -125,7 +125,7 @@ ConvergenceView measureConvergence(Renderer& renderer, const FrameRequest& reque
         reference.addRun(renderer);
         report(progress, "reference", reference.samples() / all);
     }
-    const Truth truth(reference, variancesOf(renderer, request));
+    const HalvedTruth truth(reference, variancesOf(renderer, request));
     ConvergenceView view;
     view.referenceSamples = reference.samples();
     view.referenceError = std::sqrt(truth.ownSquare(truth.all)) / truth.mean;

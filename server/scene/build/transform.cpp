@@ -12,7 +12,7 @@ constexpr double SHORTEST_AXIS = 1e-12, LONGEST_AXIS = 1e12;
 // Below this ratio of volume to lengths, a determinant computed in float is rounding noise (6e-8 of the lengths) to a percent
 // or more, and may be 0.
 constexpr double FLATTEST = 1e-5;
-constexpr double LARGEST_COORDINATE = 1e18;  // of a ray, in any space
+constexpr double FARTHEST_RAY = 1e18;  // of a ray, in any space
 
 bool finiteMatrix(const dmat3& m) {
     for (int c = 0; c < 3; c++) {
@@ -66,7 +66,7 @@ bool traceable(const Placement& p, float rayReach) {
     for (int c = 0; c < 3; c++)
         largest = std::max({largest, std::abs(inverse[c].x), std::abs(inverse[c].y), std::abs(inverse[c].z)});
     // Directions are shorter than 2 in the sum that rayReach bounds for origins.
-    return largest * std::max(double(rayReach), 2.0) + std::max({back.x, back.y, back.z}) <= LARGEST_COORDINATE;
+    return largest * std::max(double(rayReach), 2.0) + std::max({back.x, back.y, back.z}) <= FARTHEST_RAY;
 }
 
 Instance instanceOf(const Placement& p, uint32_t mesh, uint32_t firstTriangle) {

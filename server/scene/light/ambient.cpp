@@ -13,7 +13,6 @@ namespace heliograph {
 namespace {
 
 using glm::dvec3;
-constexpr double PI = std::numbers::pi;
 
 // What a column's radiance is multiplied by: integrals over the texel's azimuth phi of 1, cos, sin, cos^2, sin^2, sin
 // cos.
@@ -57,11 +56,11 @@ void addRow(Moments& m, const RowSums& row, double from, double to) {
 
 // Squared basis constant times the cosine lobe over pi (1, 2/3, 1/4).
 double foldedConstant(int i) {
-    if (i == 0) return 1.0 / (4.0 * PI);
-    if (i <= 3) return 3.0 / (4.0 * PI) * (2.0 / 3.0);
-    if (i == 6) return 5.0 / (16.0 * PI) / 4.0;
-    if (i == 8) return 15.0 / (16.0 * PI) / 4.0;
-    return 15.0 / (4.0 * PI) / 4.0;
+    if (i == 0) return 1.0 / (4.0 * std::numbers::pi);
+    if (i <= 3) return 3.0 / (4.0 * std::numbers::pi) * (2.0 / 3.0);
+    if (i == 6) return 5.0 / (16.0 * std::numbers::pi) / 4.0;
+    if (i == 8) return 15.0 / (16.0 * std::numbers::pi) / 4.0;
+    return 15.0 / (4.0 * std::numbers::pi) / 4.0;
 }
 
 dvec3 radianceAt(const ImageData& image, size_t index, const std::array<double, 256>& decode) {
@@ -83,8 +82,8 @@ void ambientFromImage(Environment& environment, const ImageData& image) {
     for (int i = 0; i < 256; i++) decode[i] = image.srgb ? srgbToLinear(i / 255.0) : i / 255.0;
     std::vector<AzimuthWeights> columns(image.width);
     for (uint32_t x = 0; x < image.width; x++) {
-        const double from = 2.0 * PI * (double(x) / image.width - 0.5) - environment.rotation;
-        columns[x] = azimuthWeights(from, from + 2.0 * PI / image.width);
+        const double from = 2.0 * std::numbers::pi * (double(x) / image.width - 0.5) - environment.rotation;
+        columns[x] = azimuthWeights(from, from + 2.0 * std::numbers::pi / image.width);
     }
     std::vector<RowSums> rows(image.height);
     tbb::parallel_for(uint32_t(0), image.height, [&](uint32_t y) {
@@ -96,7 +95,8 @@ void ambientFromImage(Environment& environment, const ImageData& image) {
         rows[y] = sums;
     });
     Moments moments{};
-    for (uint32_t y = 0; y < image.height; y++) addRow(moments, rows[y], PI * y / image.height, PI * (y + 1.0) / image.height);
+    for (uint32_t y = 0; y < image.height; y++)
+        addRow(moments, rows[y], std::numbers::pi * y / image.height, std::numbers::pi * (y + 1.0) / image.height);
     for (int i = 0; i < 9; i++) {
         const dvec3 coefficient = moments[i] * (foldedConstant(i) * environment.intensity);
         environment.ambient[i] = vec4(vec3(coefficient), 0.0f);

@@ -16,14 +16,13 @@ namespace heliograph {
 namespace {
 
 using glm::dvec3;
-constexpr double PI = std::numbers::pi;
 constexpr float BRIGHTEST = 65408.0f;        // of RGB9E5
 constexpr double CONCENTRATED_TIMES = 20.0;  // the mean, what a light is and not the sky
 constexpr uint32_t LOBE_SAMPLES = 128;
 
 float luminanceOf(vec3 c) { return LUMINANCE_RED * c.x + LUMINANCE_GREEN * c.y + LUMINANCE_BLUE * c.z; }
 
-double polar(uint32_t row, uint32_t height) { return PI * row / height; }
+double polar(uint32_t row, uint32_t height) { return std::numbers::pi * row / height; }
 
 RadianceMap halved(const RadianceMap& map) {
     RadianceMap half;
@@ -57,10 +56,11 @@ struct MapPyramid {
     }
     /// Bilinear in the level whose texels have about `steradians`.
     vec3 at(vec3 d, double steradians) const {
-        const double texel = 4.0 * PI / (double(levels[0].width) * levels[0].height);
+        const double texel = 4.0 * std::numbers::pi / (double(levels[0].width) * levels[0].height);
         const double lod = std::clamp(0.5 * std::log2(std::max(steradians / texel, 1.0)), 0.0, double(levels.size() - 1));
         const RadianceMap& map = levels[static_cast<size_t>(std::lround(lod))];
-        const double u = std::atan2(d.x, -d.z) / (2.0 * PI) + 0.5, v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) / PI;
+        const double u = std::atan2(d.x, -d.z) / (2.0 * std::numbers::pi) + 0.5,
+                     v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) / std::numbers::pi;
         const double x = u * map.width - 0.5, y = std::clamp(v * map.height - 0.5, 0.0, map.height - 1.0);
         const auto x0 = static_cast<int64_t>(std::floor(x)), y0 = static_cast<int64_t>(std::floor(y));
         const float wx = static_cast<float>(x - double(x0)), wy = static_cast<float>(y - double(y0));
@@ -87,12 +87,12 @@ std::vector<LobeDirection> lobeDirections(double roughness) {
     const double a = roughness * roughness;
     std::vector<LobeDirection> lobe;
     for (uint32_t i = 0; i < LOBE_SAMPLES; i++) {
-        const double u = (i + 0.5) / LOBE_SAMPLES, turn = 2.0 * PI * std::fmod(i * 0.6180339887498949, 1.0);
+        const double u = (i + 0.5) / LOBE_SAMPLES, turn = 2.0 * std::numbers::pi * std::fmod(i * 0.6180339887498949, 1.0);
         const double c2 = (1.0 - u) / (1.0 + (a * a - 1.0) * u);
         const double z = 2.0 * c2 - 1.0;  // of the mirrored direction
         if (z <= 0.0) continue;
         const double s = std::sqrt(std::max(1.0 - z * z, 0.0)), d = (a * a - 1.0) * c2 + 1.0;
-        const double density = a * a / (PI * d * d) / 4.0;
+        const double density = a * a / (std::numbers::pi * d * d) / 4.0;
         lobe.push_back(
             {vec3(float(s * std::cos(turn)), float(s * std::sin(turn)), float(z)), float(z), 1.0 / (LOBE_SAMPLES * density)});
     }
@@ -160,11 +160,11 @@ std::vector<double> smoothed(const RadianceMap& map) {
 }  // namespace
 
 double RadianceMap::solidAngle(uint32_t y) const {
-    return (std::cos(polar(y, height)) - std::cos(polar(y + 1, height))) * 2.0 * PI / width;
+    return (std::cos(polar(y, height)) - std::cos(polar(y + 1, height))) * 2.0 * std::numbers::pi / width;
 }
 
 vec3 RadianceMap::direction(uint32_t x, uint32_t y) const {
-    const double phi = 2.0 * PI * ((x + 0.5) / width - 0.5), theta = PI * (y + 0.5) / height;
+    const double phi = 2.0 * std::numbers::pi * ((x + 0.5) / width - 0.5), theta = std::numbers::pi * (y + 0.5) / height;
     return vec3(float(std::sin(theta) * std::sin(phi)), float(std::cos(theta)), float(-std::sin(theta) * std::cos(phi)));
 }
 
@@ -201,7 +201,7 @@ vec3 irradianceTowards(const RadianceMap& map, vec3 normal) {
         }
         sum += row * map.solidAngle(y);
     }
-    return vec3(sum / PI);
+    return vec3(sum / std::numbers::pi);
 }
 
 double ambientMisses(const RadianceMap& map, const Environment& unrotated) {
@@ -229,7 +229,7 @@ double reflectionMisses(const RadianceMap& map, const Environment& unrotated) {
             mean += exact * shape.solidAngle(y);
         }
     }
-    return mean > 0.0 ? std::sqrt(squares * 4.0 * PI) / mean : 0.0;
+    return mean > 0.0 ? std::sqrt(squares * 4.0 * std::numbers::pi) / mean : 0.0;
 }
 
 double concentrated(const RadianceMap& map) {
@@ -237,7 +237,7 @@ double concentrated(const RadianceMap& map) {
     for (uint32_t y = 0; y < map.height; y++)
         for (uint32_t x = 0; x < map.width; x++)
             whole += luminanceOf(map.texels[size_t(y) * map.width + x]) * map.solidAngle(y);
-    const double limit = CONCENTRATED_TIMES * whole / (4.0 * PI);
+    const double limit = CONCENTRATED_TIMES * whole / (4.0 * std::numbers::pi);
     for (uint32_t y = 0; y < map.height; y++) {
         for (uint32_t x = 0; x < map.width; x++) {
             const float radiance = luminanceOf(map.texels[size_t(y) * map.width + x]);

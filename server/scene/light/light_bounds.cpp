@@ -9,34 +9,33 @@ namespace heliograph {
 
 namespace {
 
-constexpr double PI = std::numbers::pi;
-
 /// Integral over directions of the cosine that light may have there: Conty Estevez & Kulla (2018), equation 1.
 double measure(double halfAngle, double beyond) {
-    const double end = std::min(halfAngle + beyond, PI);
-    return 2.0 * PI * (1.0 - std::cos(halfAngle)) + 0.5 * PI *
-                                                        (2.0 * end * std::sin(halfAngle) - std::cos(halfAngle - 2.0 * end) -
-                                                         2.0 * halfAngle * std::sin(halfAngle) + std::cos(halfAngle));
+    const double end = std::min(halfAngle + beyond, std::numbers::pi);
+    return 2.0 * std::numbers::pi * (1.0 - std::cos(halfAngle)) +
+           0.5 * std::numbers::pi *
+               (2.0 * end * std::sin(halfAngle) - std::cos(halfAngle - 2.0 * end) - 2.0 * halfAngle * std::sin(halfAngle) +
+                std::cos(halfAngle));
 }
 
 }  // namespace
 
 void DirectionCone::add(const DirectionCone& other) {
     const double between = std::acos(std::clamp(glm::dot(axis, other.axis), -1.0, 1.0));
-    if (std::min(between + other.halfAngle, PI) <= halfAngle) return;
-    if (std::min(between + halfAngle, PI) <= other.halfAngle) {
+    if (std::min(between + other.halfAngle, std::numbers::pi) <= halfAngle) return;
+    if (std::min(between + halfAngle, std::numbers::pi) <= other.halfAngle) {
         *this = other;
         return;
     }
     const double half = 0.5 * (halfAngle + between + other.halfAngle);
     const dvec3 side = other.axis - axis * glm::dot(axis, other.axis);
-    if (half >= PI || !(glm::dot(side, side) > 0.0)) {
-        halfAngle = PI;
+    if (half >= std::numbers::pi || !(glm::dot(side, side) > 0.0)) {
+        halfAngle = std::numbers::pi;
         return;
     }
     const double turn = half - halfAngle;
     axis = glm::normalize(axis * std::cos(turn) + glm::normalize(side) * std::sin(turn));
-    halfAngle = std::min(half + 1e-6, PI);  // the axis is rounded
+    halfAngle = std::min(half + 1e-6, std::numbers::pi);  // the axis is rounded
 }
 
 void LightBounds::add(const LightBounds& other) {
@@ -57,12 +56,12 @@ LightBounds boundsOf(const Light& light, double sceneRadius) {
     if (light.type == LIGHT_QUAD) {
         const dvec3 edge(light.edge), across = glm::cross(r.cone.axis, edge) * double(light.aspect);
         extent = glm::abs(edge) + glm::abs(across);
-        r.beyond = 0.5 * PI;
+        r.beyond = 0.5 * std::numbers::pi;
     } else if (light.type == LIGHT_SPOT) {
         r.beyond = std::acos(std::clamp(double(light.cosOuter), -1.0, 1.0)) + 1e-6;
     } else {
-        r.cone = {dvec3(0.0, 1.0, 0.0), PI};
-        r.beyond = 0.5 * PI;
+        r.cone = {dvec3(0.0, 1.0, 0.0), std::numbers::pi};
+        r.beyond = 0.5 * std::numbers::pi;
     }
     r.low = dvec3(light.position) - extent;
     r.high = dvec3(light.position) + extent;
