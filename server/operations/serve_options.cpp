@@ -22,7 +22,7 @@ void checkName(const std::string& text) {
     if (text.empty()) throw InputError("", "empty", "a name");
 }
 
-const OptionRow ROWS[] = {
+const OptionRow OPTION_ROWS[] = {
     {"scene", &O::scene, "SCENE", "courtyard, cathedral, glass, cornell, or a .gltf, .glb or .obj file", false, 0, 0,
      checkName},
     {"listen", &O::listen, "HOST:PORT|unix:/PATH",
@@ -181,11 +181,11 @@ size_t editDistance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::span<const OptionRow> optionRows() { return ROWS; }
+std::span<const OptionRow> optionRows() { return OPTION_ROWS; }
 
 const OptionRow* optionNamed(std::string_view name) {
-    const auto* row = std::ranges::find(ROWS, name, &OptionRow::name);
-    return row == std::end(ROWS) ? nullptr : row;
+    const auto* row = std::ranges::find(OPTION_ROWS, name, &OptionRow::name);
+    return row == std::end(OPTION_ROWS) ? nullptr : row;
 }
 
 std::string environmentName(std::string_view option) {
@@ -199,7 +199,7 @@ std::string nearestOption(std::string_view word) {
     std::string normal;
     for (char c : word) normal += c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const auto distance = [&](const OptionRow& row) { return editDistance(normal, row.name); };
-    const OptionRow& best = *std::ranges::min_element(ROWS, {}, distance);
+    const OptionRow& best = *std::ranges::min_element(OPTION_ROWS, {}, distance);
     return distance(best) <= 2 ? std::string(best.name) : "";
 }
 
