@@ -28,7 +28,7 @@
 #define TEXTURE(i, field) gather(&scene.textures->field, i, sizeof(TextureSlot))
 #define IMAGE(i, field) gather(&scene.images->field, i, sizeof(Image))
 #define IMAGE_LEVEL(i) gatherRow(&scene.imageLevels->firstTexel, i, sizeof(ImageLevel))
-#define TEXEL_ROW(i) gatherRow(scene.texels, i, 4)
+#define TEXEL_ROW(i) sharedRow(scene.texels, i)
 #define TEXEL(i) Uint((VectorUint)gatherWords(scene.texels, i, 4))
 #define LIGHT(i) scene.lights[i]
 #define ENVIRONMENT (*scene.environment)

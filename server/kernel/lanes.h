@@ -288,6 +288,13 @@ HELIOGRAPH_INLINE Uvec4 gatherRow(const uint32_t* row, Uint index, uint32_t stri
     return {Uint((VectorUint)x), Uint((VectorUint)y), Uint((VectorUint)z), Uint((VectorUint)w)};
 }
 
+// Four words from an index on; one load where it is the same for all lanes.
+HELIOGRAPH_INLINE Uvec4 sharedRow(const uint32_t* words, Uint index) {
+    if (!sameInAllLanes(index)) return gatherRow(words, index, 4);
+    const uint32_t* row = words + index.v[0];
+    return {Uint(row[0]), Uint(row[1]), Uint(row[2]), Uint(row[3])};
+}
+
 // One field of an array of structs, for each lane's index. Neighbouring points mostly share their materials and images:
 // one load then serves all lanes.
 HELIOGRAPH_INLINE Float gather(const float* field, Uint index, uint32_t stride) {

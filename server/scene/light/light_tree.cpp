@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <span>
 
 namespace heliograph {
@@ -158,7 +159,8 @@ private:
         put(3, bounds.radius() * (1.0 + 1e-6));  // so that rounding leaves no light outside
         put(7, std::cos(bounds.cone.halfAngle));
         put(8, std::sqrt(std::max(bounds.intensity / intensity_, WEAKEST)));
-        put(9, std::cos(bounds.beyond) - 1e-6);
+        const bool everywhere = bounds.cone.halfAngle >= std::numbers::pi;
+        put(9, everywhere ? -2.0 : std::max(std::cos(bounds.beyond) - 1e-6, -1.0));
         put(10, bounds.reach < 1e30 ? bounds.reach * (1.0 + 1e-6) : 3e38);
     }
 

@@ -12,7 +12,7 @@ namespace heliograph {
 ///   centre and radius of a ball about its lights;
 ///   axis of a cone about their directions and the cosine of its half angle (-1: all directions);
 ///   root of the sum of their radiant intensities over that of the scene, cosine of the angle beyond the cone up to which they
-///   shine, the distance from which on all are dark, and where it leads (LIGHT_TREE_LEAF: to a light).
+///   shine (-2: everywhere), the distance from which on all are dark, and where it leads (LIGHT_TREE_LEAF: to a light).
 /// Parts without lights have strength 0. Sets Environment::lightTree, lightTreeLevels and listedLights.
 void appendLightTree(Scene& scene);
 

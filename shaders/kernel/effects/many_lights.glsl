@@ -40,35 +40,45 @@ float cosineOfRest(float cosA, float sinA, float cosB, float sinB) {
     return SELECT(cosA >= cosB, 1.0f, min(cosA * cosB + sinA * sinB, 1.0f));
 }
 
-// Bound of the cosine at a surface and of a light's own, of lights in a ball of angular radius `ball` in direction `to`. The cone
-// holds their directions; up to `cosEnd` away from it they shine.
-float facingOf(vec3 to, float cosBall, float sinBall, vec3 normal, vec4 cone, float cosEnd) {
+// Bound of the cosine at a surface, of lights in a ball of angular radius `ball` in direction `to`.
+float facingOf(vec3 to, float cosBall, float sinBall, vec3 normal) {
     float cosSurface = min(max(dot(normal, to), -1.0f), 1.0f);
-    float surface = max(cosineOfRest(cosSurface, sineOf(cosSurface), cosBall, sinBall), 0.0f);
+    return max(cosineOfRest(cosSurface, sineOf(cosSurface), cosBall, sinBall), 0.0f);
+}
+
+// The same of a light's own. The cone holds their directions; up to `cosEnd` away from it they shine.
+float aimingOf(vec3 to, float cosBall, float sinBall, vec4 cone, float cosEnd) {
     float cosOff = min(max(-dot(pointOf(cone), to), -1.0f), 1.0f);
     float cosBeside = cosineOfRest(cosOff, sineOf(cosOff), cone.w, sineOf(cone.w));
     float shines = cosineOfRest(cosBeside, sineOf(cosBeside), cosBall, sinBall);
-    return surface * SELECT(shines >= cosEnd, max(shines, 0.0f), 0.0f);
+    return SELECT(shines >= cosEnd, max(shines, 0.0f), 0.0f);
 }
 
 // The part of a node at word `at`. `surface`: 1 on a surface, 0 in fog, where a light may face another place of the way.
 LightPart lightPartAt(uint at, IN(LightWay) way, UNIFORM_UINT surface) {
     LightPart r;
     vec4 ball = floatsOf(TEXEL_ROW(at));
-    vec4 more = floatsOf(TEXEL_ROW(at + 8u));
-    r.next = TEXEL(at + 11u);
+    uvec4 words = TEXEL_ROW(at + 8u);
+    vec4 more = floatsOf(words);
+    r.next = words.w;
     vec3 offset = pointOf(ball) - way.origin;
     if (surface == 0u) offset = offset - way.direction * min(max(dot(offset, way.direction), 0.0f), way.reach);
     float distance = sqrt(dot(offset, offset));
     bool reached = distance - ball.w <= more.z;
-    r.strength = SELECT(reached, more.x / max(max(distance, ball.w), LEAST_WAY_TO_LIGHT), 0.0f);
+    float perMetre = 1.0f / max(max(distance, ball.w), LEAST_WAY_TO_LIGHT);
+    r.strength = SELECT(reached, more.x * perMetre, 0.0f);
     r.facing = 1.0f;
     if (surface != 0u) {
         bool outside = distance > ball.w;
-        float sinBall = SELECT(outside, ball.w / max(distance, LEAST_WAY_TO_LIGHT), 0.0f);
+        float sinBall = SELECT(outside, ball.w * perMetre, 0.0f);
         float cosBall = SELECT(outside, sineOf(sinBall), -1.0f);
-        vec3 to = offset * (1.0f / max(distance, LEAST_WAY_TO_LIGHT));
-        r.facing = facingOf(to, cosBall, sinBall, way.direction, floatsOf(TEXEL_ROW(at + 4u)), more.y);
+        vec3 to = offset * perMetre;  // from inside not unit, and of no account
+        r.facing = facingOf(to, cosBall, sinBall, way.direction);
+        bool aims = more.y >= -1.0f;
+        if (ANY(aims)) {
+            float aiming = aimingOf(to, cosBall, sinBall, floatsOf(TEXEL_ROW(at + 4u)), more.y);
+            r.facing = SELECT(aims, r.facing * aiming, r.facing);
+        }
     }
     return r;
 }
