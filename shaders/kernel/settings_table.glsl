@@ -50,7 +50,7 @@ SETTING_BOOL(shadows, effects, film, true, "Shadows", "shadows", "on", "Shadows 
 SETTING_BOOL(softShadows, effects, film, true, "Soft shadows", "softShadows", "on", "Lights that have an extent throw soft shadows; off takes them as points.")
 SETTING_K_INT(shadowSamples, effects, film, 4, 1, 256, "rays", "Shadow samples", "softShadows", "up", "Rays per light with an extent, visible point and sample. More rays, less grain in half shadows.")
 SETTING_BOOL(manyLights, effects, film, true, "Many lights", "manyLights", "off", "Where a scene has more than 32 lights with a place, some are asked from each visible point, chosen by what they may bring there: grain instead of time, and the same mean. Off asks all.")
-SETTING_K_INT(lightRays, effects, film, 8, 1, 256, "rays", "Light rays", "manyLights", "up", "Rays per visible point and sample to lights that are chosen of many. More rays, less grain.")
+SETTING_K_INT(lightRays, effects, film, 2, 1, 256, "rays", "Light rays", "manyLights", "up", "Rays per visible point and sample to lights that are chosen of many. More rays, less grain.")
 SETTING_BOOL(reflections, effects, film, true, "Reflections", "reflections", "on", "Mirror reflections on metals, glass and polished floors.")
 SETTING_K_INT(maxReflections, effects, film, 1, 0, 31, "bounces", "Max reflections", "reflections", "up", "How many reflections in a row are followed. The rest is estimated from the environment.")
 SETTING_BOOL(glossyReflections, effects, film, false, "Glossy reflections", "glossyReflections", "on", "Surfaces of every roughness reflect the scene, blurred. Costs a ray per visible point that is rough, and takes samples to become smooth. Off, rough surfaces reflect the surroundings alone.")
