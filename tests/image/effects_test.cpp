@@ -69,6 +69,7 @@ TEST(Effects, WhatIsNotCalledForWouldChangeNothing) {
         // What reads arrays that the scene does not have cannot be forced.
         uint32_t impossible = called.has(EFFECT_ENVIRONMENT_IMAGE) ? 0u : EFFECT_ENVIRONMENT_IMAGE;
         if (scenery.scene->tangents.empty()) impossible |= EFFECT_TANGENTS;
+        if (scenery.scene->environment.lightTreeLevels == 0) impossible |= EFFECT_MANY_LIGHTS;
         const Picture needed = rendered(scenery, all, {called.bits & allowed.bits});
         const Picture forced = rendered(scenery, all, {allowed.bits & ~impossible});
         ASSERT_EQ(needed.pixels.size(), forced.pixels.size());
