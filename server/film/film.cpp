@@ -407,6 +407,7 @@ std::vector<CellError> Film::errorParts() const {
     const double scale = 1.0 / (static_cast<double>(all.squares.size()) * mean * mean);
     const uvec2 count = cellCount();
     std::vector<CellError> cells;
+    cells.reserve(samples.size());
     for (uint32_t least : samples) cells.push_back({0.0, least});
     forJudged(edges, [&](uint32_t x, uint32_t y, double, double square) {
         cells[static_cast<size_t>(y / CELL_SIZE) * count.x + x / CELL_SIZE].square += scale * std::min(square, most);

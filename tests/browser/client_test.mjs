@@ -301,6 +301,8 @@ async function reconnectChecks() {
       await until('the echo', 10_000, async () => (await state()).settings.exposure === 0.5);
       await drag([720, 400], [640, 380]);
       await settled();
+      const whole = async () => (await state()).lastFrame.width === DESKTOP.width;
+      await until('a picture at full size', 60_000, whole);
       const before = await state();
       const shown = await picture(page);
       noProblems();
@@ -320,6 +322,7 @@ async function reconnectChecks() {
       const first = await state();
       expect(first.scene?.name === OTHER_SCENE, `the first frame shows ${first.scene?.name}`);
       await sceneShown(OTHER_SCENE);
+      await until('a picture at full size again', 60_000, whole);
       expect(difference(shown, await picture(page)) < 6, 'the picture is another one than before');
       browser.expectDisconnect = false;
       const after = await state();
