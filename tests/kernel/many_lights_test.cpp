@@ -129,7 +129,9 @@ void expectExactChances(Chooser& c, vec3 point, vec3 normal) {
         const auto chosen = c.choose(point, normal, (i + 0.5) / n);
         const uint32_t word = chosen.chance > 0.0f ? chosen.light : NO_INDEX;
         ASSERT_TRUE(of.contains(word)) << chosen.chance;
-        if (word != NO_INDEX) ASSERT_NEAR(chosen.chance / of.at(word), 1.0, 2e-5);
+        if (word != NO_INDEX) {
+            ASSERT_NEAR(chosen.chance / of.at(word), 1.0, 2e-5);
+        }
         often[word] += 1.0 / n;
     }
     std::vector<bool> has(c.scene->lights.size(), false);

@@ -14,12 +14,6 @@
 
 namespace heliograph {
 
-namespace {
-
-using RayKernel = scalar_kernel::Kernel<0xffffffffu>;
-constexpr uint32_t BLOCK = 32;         // pixels of a block's side; blocks are traced as one task
-constexpr uint32_t TASK_PACKETS = 64;  // packets per task, as many as a block has
-
 /// Sixteen rays, ready to be loaded.
 struct alignas(64) BarePacket {
     float origin[3][PACKET];
@@ -47,6 +41,12 @@ struct RayList {
         rays += other.rays;
     }
 };
+
+namespace {
+
+using RayKernel = scalar_kernel::Kernel<0xffffffffu>;
+constexpr uint32_t BLOCK = 32;         // pixels of a block's side; blocks are traced as one task
+constexpr uint32_t TASK_PACKETS = 64;  // packets per task, as many as a block has
 
 void load(RTCRay16& rays, const BarePacket& p) {
     for (uint32_t i = 0; i < PACKET; i++)

@@ -29,14 +29,14 @@ struct SentRays {
 };
 
 // Which of the first `count` rays are traced: those that are valid to Embree in every instance's space. kernel/ray.glsl's
-// isTraceable, four rays at a time.
+// isTraceable, four rays at a time; the last four are read whole.
 struct alignas(64) ValidMask {
-    int lane[PACKET];
+    int lane[PACKET] = {};
     uint32_t bits = 0;
 
     ValidMask(const TraceTarget& target, const RTCRay16& rays, uint32_t count) {
         const __m128 reach = _mm_set1_ps(target.rayReach), longest = _mm_set1_ps(2.0f);
-        for (uint32_t i = 0; i < PACKET; i += 4) {
+        for (uint32_t i = 0; i < count; i += 4) {
             const __m128 end = _mm_load_ps(rays.tfar + i);
             const __m128 near = _mm_cmple_ps(sumOfSizes(rays.org_x + i, rays.org_y + i, rays.org_z + i), reach);
             const __m128 unit = _mm_cmple_ps(sumOfSizes(rays.dir_x + i, rays.dir_y + i, rays.dir_z + i), longest);

@@ -18,7 +18,7 @@ vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, f
     vec3 through(1.0f);
     for (uint32_t step = 0; step < KernelType::MAX_SHADOW_SURFACES; step++) {
         RTCRayHit16 packet;
-        setRay(packet.ray, 0, from, direction, left, MASK_TRANSPARENT);
+        for (uint32_t i = 0; i < 4; i++) setRay(packet.ray, i, from, direction, left, MASK_TRANSPARENT);  // read by fours
         traceClosest(job.rtcScene, packet, 1, {1, false});
         rays++;
         Hit hit = EmbreeScene::hitOf(packet.hit.geomID[0], packet.hit.primID[0], packet.hit.instID[0][0]);

@@ -92,9 +92,12 @@ TEST(GrownWalls, EveryWallMovesOutByAtLeastThatMuchAndTheBodyStaysClosed) {
                 EXPECT_LE(moved, 1.8 * distance);
             }
         }
-        for (size_t i = 0; i < before.positions.size(); i++)
-            for (size_t j = 0; j < i; j++)
-                if (before.positions[i] == before.positions[j]) ASSERT_EQ(after.positions[i], after.positions[j]);
+        for (size_t i = 0; i < before.positions.size(); i++) {
+            for (size_t j = 0; j < i; j++) {
+                if (before.positions[i] != before.positions[j]) continue;
+                ASSERT_EQ(after.positions[i], after.positions[j]);
+            }
+        }
     }
 }
 
