@@ -1,13 +1,16 @@
 #include "server/lab/bench_partner.h"
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <istream>
 #include <ostream>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
+#include <signal.h>
 #include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -47,13 +50,20 @@ BenchPartner::BenchPartner(const std::string& program, const std::vector<std::st
         greeting_ = line();
     } catch (...) {
         close(line_);
+        kill(process_, SIGKILL);  // it may not read what it was told by the end of its input
         waitpid(process_, nullptr, 0);
         throw;
     }
 }
 
 BenchPartner::~BenchPartner() {
+    using namespace std::chrono_literals;
     close(line_);  // its input ends, and so does it
+    for (int i = 0; i < 100; i++) {
+        if (waitpid(process_, nullptr, WNOHANG) != 0) return;
+        std::this_thread::sleep_for(20ms);
+    }
+    kill(process_, SIGKILL);
     waitpid(process_, nullptr, 0);
 }
 

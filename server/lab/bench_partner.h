@@ -16,9 +16,9 @@ namespace heliograph {
 class BenchPartner {
 public:
     /// Starts `program` with these arguments, of which one has to make it answer (serveFrames). Waits for its first line.
-    /// Throws std::runtime_error if it cannot be started or ends.
+    /// Throws std::runtime_error if it cannot be started, ends or says something else; then it is killed.
     BenchPartner(const std::string& program, const std::vector<std::string>& arguments);
-    /// Ends the program and waits for it.
+    /// Ends the program's input and waits for it, two seconds at most: then it is killed.
     ~BenchPartner();
     BenchPartner(const BenchPartner&) = delete;
     BenchPartner& operator=(const BenchPartner&) = delete;
