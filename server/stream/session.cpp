@@ -11,6 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto STATS_EVERY = 500ms;
+constexpr auto STATS_AT_REST = 10s;  // where nothing but other viewers and memory can have changed
 
 }  // namespace
 
@@ -184,9 +185,10 @@ void Session::retry() {
 
 void Session::tick(Clock::time_point now) {
     retry();
-    const size_t viewers = host_.viewerCount();
+    constexpr double atRest = std::chrono::duration<double>(STATS_AT_REST).count();
     std::shared_ptr<View> looked;
     double seconds = 0.0;
+    size_t watchers = 0;
     {
         std::lock_guard lock(mutex_);
         if (ended_) return;
@@ -197,13 +199,16 @@ void Session::tick(Clock::time_point now) {
         if (viewer_.closeIfStalled(now) || now - statsAt_ < STATS_EVERY) return;
         looked = view_;
         seconds = std::chrono::duration<double>(now - statsAt_).count();
+        watchers = watchersTold_;
     }
-    std::optional<ViewerStats> stats = looked ? looked->stats(viewer_, seconds) : std::nullopt;
+    if (!looked || (seconds < atRest && !looked->hasNews(viewer_, watchers))) return;
+    std::optional<ViewerStats> stats = looked->stats(viewer_, seconds);
     if (!stats) return;
-    stats->viewers = viewers;
+    stats->viewers = host_.viewerCount();
     stats->residentBytes = residentBytes();
     std::lock_guard lock(mutex_);
     statsAt_ = now;
+    watchersTold_ = stats->watchers;
     viewer_.say(statsMessage(*stats));
 }
 

@@ -89,6 +89,7 @@ private:
     std::shared_ptr<View> view_;   // from the welcome to the end
     std::shared_ptr<void> place_;  // in it, of the host
     Clock::time_point statsAt_{};
+    size_t watchersTold_ = 0;  // in the last stats
     std::string lastFailure_;
     bool waits_ = false;  // for a thread, and was told
 

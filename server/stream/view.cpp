@@ -181,10 +181,15 @@ std::optional<ViewerStats> View::stats(Viewer& viewer, double seconds) const {
     if (!scene_) return std::nullopt;
     ViewerStats stats = viewer.takeStats(seconds, loop_.used());
     if (stats.device.empty()) stats.device = scene_->renderer->info().name;
-    stats.watchers = seats_.empty() ? 0 : seats_.size() - 1;
+    stats.watchers = watchers();
     stats.scale = loop_.scale();
     stats.autopilot = loop_.autopilot();
     return stats;
+}
+
+bool View::hasNews(const Viewer& viewer, size_t watchersTold) const {
+    std::lock_guard lock(mutex_);
+    return scene_ && (watchers() != watchersTold || viewer.statsChanged(loop_.used()));
 }
 
 std::optional<ViewerLoad> View::load(const Viewer& viewer, Clock::time_point now) const {

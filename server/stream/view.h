@@ -63,6 +63,8 @@ public:
 
     /// The viewer's figures over the last `seconds`; nothing while there is no scene.
     std::optional<ViewerStats> stats(Viewer& viewer, double seconds) const;
+    /// Whether there is something for `stats` to tell to one who was last told of so many watchers.
+    bool hasNews(const Viewer& viewer, size_t watchersTold) const;
     /// What the view has used of the device lately, told of who drives alone: it is rendered once.
     std::optional<ViewerLoad> load(const Viewer& viewer, Clock::time_point now) const;
     /// What the view is at for who drives it, and what is made into bytes for the viewer.
@@ -94,6 +96,7 @@ private:
     void failed(const std::string& what) override;
 
     // All below but the opening of scenes: with the lock held.
+    size_t watchers() const { return seats_.empty() ? 0 : seats_.size() - 1; }
     Seat* seatOf(uint32_t viewer);
     const Seat* seatOf(uint32_t viewer) const { return const_cast<View*>(this)->seatOf(viewer); }
     Seat& driver(const Viewer& viewer, const char* about);

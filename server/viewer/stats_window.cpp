@@ -61,4 +61,8 @@ ViewerStats StatsWindow::take(double seconds, Turns::Used used) {
     return last_;
 }
 
+bool StatsWindow::changed(Turns::Used used) const {
+    return frames_ > 0 || sent_ > 0 || used.own != usedBefore_.own || last_.framesPerSecond > 0.0 || last_.deviceShare > 0.0;
+}
+
 }  // namespace heliograph

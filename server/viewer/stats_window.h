@@ -15,6 +15,8 @@ public:
     /// Figures since the last call, which lie `seconds` apart. Where no frame came the milliseconds stay as they were.
     /// Device, viewers and resident bytes are left to the caller.
     ViewerStats take(double seconds, Turns::Used used);
+    /// Whether `take` would tell other figures than it did last.
+    bool changed(Turns::Used used) const;
 
 private:
     uint32_t frames_ = 0;

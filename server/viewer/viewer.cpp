@@ -277,4 +277,9 @@ ViewerStats Viewer::takeStats(double seconds, Turns::Used used) {
     return stats;
 }
 
+bool Viewer::statsChanged(Turns::Used used) const {
+    std::lock_guard lock(mutex_);
+    return stats_.changed(used);
+}
+
 }  // namespace heliograph

@@ -67,6 +67,7 @@ public:
     bool closeIfStalled(Clock::time_point now);
     /// As StatsWindow::take.
     ViewerStats takeStats(double seconds, Turns::Used used);
+    bool statsChanged(Turns::Used used) const;
     /// Ends after the frame in work and waits for that. After it the listener is not called any more.
     void finish() { encoder_.finish(); }
     /// As EncodeThread::retry.
