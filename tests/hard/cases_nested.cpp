@@ -65,7 +65,7 @@ Material body(float ior, float sigma) {
     return m;
 }
 
-void append(MeshData& to, const MeshData& more) {
+void joinMaterials(MeshData& to, const MeshData& more) {
     const auto base = static_cast<uint32_t>(to.positions.size());
     to.positions.insert(to.positions.end(), more.positions.begin(), more.positions.end());
     to.normals.insert(to.normals.end(), more.normals.begin(), more.normals.end());
@@ -79,7 +79,7 @@ void addVessel(SceneBuilder& builder, float overlap) {
     const vec3 low(-1.4f, -1.4f, -WALL - FULL), high(1.4f, 1.4f, -WALL);
     const uint32_t glassy = builder.addMaterial(body(GLASS, GLASS_SIGMA), "glass");
     MeshData wall = box(low - WALL, high + WALL, glassy);
-    append(wall, insideOut(box(low, high, glassy)));
+    joinMaterials(wall, insideOut(box(low, high, glassy)));
     place(builder, wall);
     place(builder, box(low - overlap, high + overlap, builder.addMaterial(body(WATER, WATER_SIGMA), "water")));
 }

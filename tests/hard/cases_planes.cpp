@@ -15,7 +15,7 @@ namespace {
 
 using test::Random;
 
-void append(MeshData& mesh, const MeshData& other) {
+void joinPlain(MeshData& mesh, const MeshData& other) {
     const auto first = static_cast<uint32_t>(mesh.positions.size());
     mesh.positions.insert(mesh.positions.end(), other.positions.begin(), other.positions.end());
     for (uvec3 t : other.indices) mesh.indices.push_back(t + first);
@@ -29,7 +29,7 @@ MeshData twoInOne(const mat3& turn, bool otherwise) {
     MeshData mesh = test::panel(vec3(-1, -1, 0), vec3(2, 0, 0), vec3(0, 2, 0));
     MeshData second = mesh;
     if (otherwise) second.indices = {{0, 1, 3}, {1, 2, 3}};
-    append(mesh, second);
+    joinPlain(mesh, second);
     for (vec3& p : mesh.positions) p = turn * p + vec3(0.3f, 0.2f, 0.1f);
     return mesh;
 }
@@ -40,7 +40,7 @@ void ulpApart(Run& run) {
     MeshData mesh = test::panel(vec3(-1, -1, 1), vec3(2, 0, 0), vec3(0, 2, 0));
     MeshData second = mesh;
     for (vec3& p : second.positions) p.z = std::nextafter(p.z, 2.0f);
-    append(mesh, second);
+    joinPlain(mesh, second);
     const World world(mesh);
     for (const auto& tracer : tracersOf(world, run)) {
         Random random(141);
@@ -115,7 +115,7 @@ MeshData grid() {
     MeshData mesh;
     for (int x = 0; x < CUBES; x++)
         for (int y = 0; y < CUBES; y++)
-            for (int z = 0; z < CUBES; z++) append(mesh, test::box(vec3(x, y, z) * 2.0f, vec3(x, y, z) * 2.0f + 1.0f));
+            for (int z = 0; z < CUBES; z++) joinPlain(mesh, test::box(vec3(x, y, z) * 2.0f, vec3(x, y, z) * 2.0f + 1.0f));
     return mesh;
 }
 

@@ -7,7 +7,7 @@
 #include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -137,4 +137,4 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Clearance,
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

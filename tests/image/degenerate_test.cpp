@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -204,4 +204,4 @@ TEST(Degenerate, TinyAndHugeWorldsLookTheSame) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

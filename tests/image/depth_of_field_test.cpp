@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -70,4 +70,4 @@ TEST(DepthOfField, CostsNoRays) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -7,7 +7,7 @@
 
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using glm::dvec3;
@@ -96,4 +96,4 @@ TEST(Depth, NothingWhereTheViewIsOpenOrTheCameraIsBeyondEverything) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

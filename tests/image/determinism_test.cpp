@@ -22,7 +22,9 @@ extern const TileProgramTable PROGRAM_TABLE;
 namespace lanes_v4 {
 extern const TileProgramTable PROGRAM_TABLE;
 }
+}  // namespace heliograph
 
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -219,4 +221,4 @@ TEST(InstructionSets, GiveTheSameBitsInTheCornellBox) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -95,4 +95,4 @@ TEST(Effects, TheSmallMirrorCoversAHundredthOfThePicture) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

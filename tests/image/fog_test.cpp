@@ -4,7 +4,7 @@
 
 #include <functional>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -157,4 +157,4 @@ TEST(Fog, RaysAreCountedPerLightSampleAndWay) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -121,4 +121,4 @@ TEST(Glossy, SurfacesOfEveryRoughnessGetAReflectionRay) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -120,4 +120,4 @@ TEST(Instances, CastAndReceiveShadows) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -191,4 +191,4 @@ TEST(Look, SteepNormalsOnAMirrorStayInTheFurnace) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

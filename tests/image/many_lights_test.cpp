@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -113,4 +113,4 @@ TEST(ManyLights, AFewAreTheSameWithTheSwitchOnAndOff) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -6,7 +6,7 @@
 
 #include <cstring>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -88,4 +88,4 @@ TEST(MotionBlur, ACameraAtRestIsThePictureWithoutBitForBit) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

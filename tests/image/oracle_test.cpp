@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <functional>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -411,4 +411,4 @@ TEST(Oracle, RowsJAndK_ASunInAnImage) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -7,7 +7,7 @@
 
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -104,4 +104,4 @@ TEST(RayValidity, ExtremeSettingsGiveAPicture) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

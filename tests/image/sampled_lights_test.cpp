@@ -4,7 +4,7 @@
 
 #include <functional>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -293,4 +293,4 @@ TEST(RoughGlass, ABodyInAFurnaceLosesLittle) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -170,4 +170,4 @@ TEST(SoftShadows, OnlyLightsWithAnExtentCallForThem) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

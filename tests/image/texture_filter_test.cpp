@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -147,4 +147,4 @@ TEST(OcclusionTextures, CountWhereIndirectLightEnds) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

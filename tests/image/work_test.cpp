@@ -10,7 +10,7 @@
 
 #include <cstring>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -156,4 +156,4 @@ TEST(WorkLeftOut, AllowedAndNotCalledForIsTheSameAsForbidden) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -95,4 +95,4 @@ TEST(CameraDirection, PixelSpreadIsTheAngleOfACentralPixel) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

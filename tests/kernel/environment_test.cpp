@@ -7,7 +7,7 @@
 
 #include <functional>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -150,4 +150,4 @@ TEST(EnvironmentLight, AmbientLightMatchesTheIntegral) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -17,7 +17,7 @@
 #include <array>
 #include <bit>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -397,4 +397,4 @@ TEST(Lanes, MathematicsIsTheSameForAllFloats) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

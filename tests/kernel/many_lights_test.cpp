@@ -9,7 +9,7 @@
 #include <cstring>
 #include <map>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -287,4 +287,4 @@ TEST(ManyLights, NothingIsChosenWhereAllShineFromBehind) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <bit>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -204,4 +204,4 @@ TEST(KernelMath, OrthonormalBasisIsOne) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -102,4 +102,4 @@ TEST(NestedMedia, SeamsAndFaultsAreTold) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <set>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -282,4 +282,4 @@ TEST(Sampling, OcclusionDirectionsLeaveTheFacet) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

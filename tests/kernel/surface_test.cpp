@@ -8,7 +8,7 @@
 
 #include <functional>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -329,4 +329,4 @@ TEST(Surface, ShadowPositionNeverLiesInsideTheBody) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

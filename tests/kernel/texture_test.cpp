@@ -6,7 +6,7 @@
 
 #include <array>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -381,4 +381,4 @@ TEST(Texture, TheShortAxisChoosesTheLevel) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

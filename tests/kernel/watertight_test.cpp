@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -121,4 +121,4 @@ TEST(RayTriangle, TrianglesWithoutAreaAreNeverMet) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

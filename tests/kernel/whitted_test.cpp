@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -330,4 +330,4 @@ TEST(Whitted, AnUnlitSurfaceShowsItsColourAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -115,4 +115,4 @@ TEST(BenchAccuracy, RefusesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

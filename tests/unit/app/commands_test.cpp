@@ -14,7 +14,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -341,4 +341,4 @@ TEST_F(CommandsTest, DoctorSaysWhatWouldFail) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using testing::HasSubstr;
@@ -95,4 +95,4 @@ TEST(TypedCamera, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

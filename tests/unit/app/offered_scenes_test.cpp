@@ -8,7 +8,7 @@
 
 #include <fstream>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +80,4 @@ TEST(OfferedScenes, AnUploadGoesOnlyWhereItIsNoScene) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

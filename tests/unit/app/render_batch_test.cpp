@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -124,4 +124,4 @@ TEST_F(RenderBatch, RefusesWhatDoesNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

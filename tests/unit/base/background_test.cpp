@@ -7,7 +7,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 int niceOfThisThread() { return getpriority(PRIO_PROCESS, static_cast<id_t>(gettid())); }
@@ -25,4 +25,4 @@ TEST(Background, WhatTheWorkThrowsComesOut) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(Clock, ThreadTimeIsTheThreadsOwn) {
@@ -155,4 +155,4 @@ TEST(Text, WordsAreJoined) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

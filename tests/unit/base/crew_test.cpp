@@ -8,7 +8,7 @@
 #include <set>
 #include <stdexcept>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(Crew, SeveralThreadsHelpAndAllHaveEndedWhenItReturns) {
@@ -75,4 +75,4 @@ TEST(Crew, ManyCallersShareIt) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

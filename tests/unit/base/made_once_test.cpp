@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(MadeOnce, OneThreadMakesItForAll) {
@@ -45,4 +45,4 @@ TEST(MadeOnce, WhatFailsIsTriedAgain) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -5,7 +5,7 @@
 #include <memory>
 #include <thread>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(Mailbox, TheNewestReplacesWhatNobodyFetched) {
@@ -59,4 +59,4 @@ TEST(Mailbox, AReaderSeesTheLastOfManyMessages) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

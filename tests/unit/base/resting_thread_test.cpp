@@ -7,7 +7,7 @@
 
 #include <atomic>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(RestingThread, IsNotThereBeforeItsFirstCallAndLeavesWhenNobodyCalls) {
@@ -96,4 +96,4 @@ TEST(RestingThread, EndsAfterWhatIsLeftToDo) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(StageClock, SaysWhatRunsAndForHowLong) {
@@ -30,4 +30,4 @@ TEST(StageClock, TheStuckAreNamedWithTheirViewerTheLongestFirst) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 struct Decoded {
@@ -201,4 +201,4 @@ TEST(ExrEncoder, KeepsEveryFloat) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

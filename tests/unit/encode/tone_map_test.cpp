@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 std::array<uint8_t, 4> coded(const ToneMap& map, vec4 pixel) {
@@ -83,4 +83,4 @@ TEST(ToneMap, WholePictureHasTheSizeAsked) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

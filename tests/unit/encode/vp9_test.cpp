@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// libvpx as a viewer has it.
@@ -173,4 +173,4 @@ TEST(Vp9Encoder, TheQuantizerFallsWithQuality) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr double EDGES = 0.3;
@@ -221,4 +221,4 @@ TEST(AdaptivePlan, ABlackPictureGetsWhatWasAskedFor) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

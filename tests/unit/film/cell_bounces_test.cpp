@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 FrameRequest requestOf(uvec2 size = uvec2(100, 60)) {
@@ -136,4 +136,4 @@ TEST(ViewBounces, RemembersTheLatestSixteen) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(CellCosts, PixelsStandForCostsUntilSomethingIsKnown) {
@@ -76,4 +76,4 @@ TEST(ScheduleReport, LossAndIdleTimeFollowFromSpans) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

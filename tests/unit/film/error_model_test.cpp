@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// Doublings of a picture that the model fits, up to so many samples.
@@ -46,4 +46,4 @@ TEST(ErrorModel, SharesStaySharesWhateverMoves) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

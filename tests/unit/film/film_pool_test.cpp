@@ -4,7 +4,7 @@
 
 #include <new>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr uvec2 SIZE{64, 48};
@@ -54,4 +54,4 @@ TEST(FilmPool, SaysInWordsThatMemoryRanOut) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

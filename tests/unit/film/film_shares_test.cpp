@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr uint64_t GIB = 1ull << 30;
@@ -87,4 +87,4 @@ TEST(FilmShares, TheLargestSizeFitsForEveryShape) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -9,7 +9,7 @@
 #include <atomic>
 #include <thread>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TileResult resultFor(const Tile& tile, vec4 sum) {
@@ -401,4 +401,4 @@ TEST(Film, DuplicatesFromManyThreadsCountOnce) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

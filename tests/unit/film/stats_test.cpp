@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(Stats, PercentilesAreInterpolated) {
@@ -40,4 +40,4 @@ TEST(Stats, RayCountsAsJson) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using Bytes = std::vector<uint8_t>;
@@ -216,4 +216,4 @@ TEST(JpegReader, ReadsOfATruncatedFileWhatOpenImageIoReads) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

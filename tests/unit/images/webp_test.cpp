@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <webp/encode.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// A picture of one colour, without loss.
@@ -45,4 +45,4 @@ TEST(WebP, TruncationsAreRefused) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -10,7 +10,7 @@
 
 #include <sstream>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::FakeDevice;
@@ -166,9 +166,10 @@ TEST(BenchPartner, SaysWhenTheOtherProgramIsNone) {
     EXPECT_THROW(BenchPartner("/nonexistent/program", {}), std::runtime_error);
     EXPECT_THROW(BenchPartner("/bin/sh", {"-c", "exit 3"}), std::runtime_error);
     EXPECT_THROW(BenchPartner("/bin/sh", {"-c", "echo hello"}), std::runtime_error);
+    EXPECT_THROW(BenchPartner("/bin/sh", {"-c", "echo hello; exec sleep 1000000"}), std::runtime_error);
     BenchPartner short_("/bin/sh", {"-c", "echo {}"});
     EXPECT_THROW(short_.frame(), std::runtime_error);
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::FakeDevice;
@@ -161,4 +161,4 @@ TEST(DeviceBench, JsonComparesFramesWithBareRays) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

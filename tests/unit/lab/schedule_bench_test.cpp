@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::Random;
@@ -192,4 +192,4 @@ TEST(ScheduleBench, JsonHoldsEveryPolicyAndNoNumberForNever) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -8,7 +8,7 @@
 
 #include <atomic>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// Counts a shadow ray a pixel under shadows and nine occlusion rays under ambient occlusion.
@@ -167,4 +167,4 @@ TEST(EffectMeter, TheSizeFollowsFromSpeedAndTime) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 CameraPath path() {
@@ -42,4 +42,4 @@ TEST(PathRun, MeasuresFromFrameEndToFrameEnd) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

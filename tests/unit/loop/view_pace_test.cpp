@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr double PIXELS = 640.0 * 360.0;
@@ -192,4 +192,4 @@ TEST(ViewPace, ABudgetLeavesWhatIsShownAlone) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -10,7 +10,7 @@
 
 #include <algorithm>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(TokenGuard, LocksAnAddressLongerEachTime) {
@@ -71,4 +71,4 @@ TEST(HostAllowed, OnlyNamesOfThisServerPass) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

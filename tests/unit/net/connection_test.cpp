@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 struct Peer : ViewerPeer {
@@ -170,4 +170,4 @@ TEST(Connection, AfterDisconnectNothingIsKept) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

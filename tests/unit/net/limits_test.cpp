@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 uint64_t whole(std::chrono::seconds seconds) { return static_cast<uint64_t>(seconds.count()); }
@@ -34,4 +34,4 @@ TEST(Limits, AreThoseOfTheProtocolsPage) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

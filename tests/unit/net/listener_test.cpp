@@ -23,7 +23,7 @@
 #include <functional>
 #include <mutex>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -328,4 +328,4 @@ TEST_F(ListenerTest, AForeignNameIsAllowedWhereOtherMachinesComeInOnly) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

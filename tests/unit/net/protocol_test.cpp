@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 const char* CAMERA =
@@ -232,4 +232,4 @@ TEST(Protocol, FrameHeaderRefusesWrongBytes) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

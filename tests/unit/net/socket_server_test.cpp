@@ -11,7 +11,7 @@
 #include <mutex>
 #include <thread>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::HttpAnswer;
@@ -410,4 +410,4 @@ TEST(SocketServer, SaysGoodbye) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace std::chrono_literals;
@@ -195,4 +195,4 @@ TEST(SocketUploads, TheTokenIsAskedForAndWithoutTheOptionThereIsNoDoor) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

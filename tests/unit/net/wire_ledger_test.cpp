@@ -11,7 +11,7 @@
 #include <array>
 #include <string>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using Wire = WireLedger::Wire;
@@ -122,4 +122,4 @@ TEST(TcpCounts, NothingIsSaidOfOtherSockets) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

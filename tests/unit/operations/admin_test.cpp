@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using Kind = AdminRequest::Kind;
@@ -29,4 +29,4 @@ TEST(AdminRequest, AnotherMethodIsToldWhichOnesThereAre) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

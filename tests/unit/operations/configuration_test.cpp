@@ -15,7 +15,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using Kind = GivenValue::Kind;
@@ -199,4 +199,4 @@ TEST(ServeOptionsTest, AreThoseOfTheServingPage) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -9,7 +9,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using testing::HasSubstr;
@@ -110,4 +110,4 @@ TEST(Doctor, ReportsForPeopleAndPrograms) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -12,7 +12,7 @@
 #include <set>
 #include <sstream>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using testing::HasSubstr;
@@ -128,4 +128,4 @@ TEST(MetricsText, TheDashboardAsksForWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

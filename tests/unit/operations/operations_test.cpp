@@ -17,7 +17,7 @@
 #include <map>
 #include <filesystem>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace std::chrono_literals;
@@ -196,4 +196,4 @@ TEST(SocketOptionsTest, NamesEveryAddressOnceAndAsksForATokenForAny) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 std::vector<ViewerLoad> viewers(size_t count, double secondsPerFrame, bool active = true) {
@@ -52,4 +52,4 @@ TEST(Admission, TheFullerItIsTheLaterOneComesAgain) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

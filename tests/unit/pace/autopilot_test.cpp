@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr double PIXELS = 1280.0 * 720.0, BUDGET = 0.033;
@@ -143,4 +143,4 @@ TEST(Autopilot, EndsAtTheLowestPlaceWhereNothingFits) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(Bottleneck, IsWhoeverHoldsPicturesUpMost) {
@@ -20,4 +20,4 @@ TEST(Bottleneck, IsWhoeverHoldsPicturesUpMost) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

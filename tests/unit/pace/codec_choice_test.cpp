@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// Motion of so many seconds at 20 pictures a second; returns how often the codec changed.
@@ -49,4 +49,4 @@ TEST(CodecChoice, ALineThatStaysSlowIsTriedMoreAndMoreSeldom) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

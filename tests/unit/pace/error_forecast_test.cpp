@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// Errors that fall from 0.4 at one sample by this power, ten samples a second.
@@ -100,4 +100,4 @@ TEST(ErrorForecast, RoundErrorsComeInOrder) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr uint32_t MOST = 32;
@@ -242,4 +242,4 @@ TEST(QualityLadder, TimeAtRestTellsNothing) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

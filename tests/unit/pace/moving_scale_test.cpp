@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr double PIXELS = 1280.0 * 720.0;
@@ -152,4 +152,4 @@ TEST(MovingScale, UnknownCostsChangeNothing) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

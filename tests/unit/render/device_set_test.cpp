@@ -12,7 +12,7 @@
 #include <new>
 #include <system_error>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using ::testing::ElementsAre;
@@ -452,4 +452,4 @@ TEST_F(Hybrid, ATracedDeviceAloneHasTheProcessorBehindIt) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::FakeDevice;
@@ -115,4 +115,4 @@ TEST(FrameRequest, HasTheEffectsThatSceneAndSettingsShare) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -11,7 +11,7 @@
 #include <atomic>
 #include <thread>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(SliceRule, CheapTilesStayAsAskedFor) {
@@ -208,4 +208,4 @@ TEST(PassRenderer, ADeviceThatDrawsTheWholePictureIsCalledOnceAPass) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

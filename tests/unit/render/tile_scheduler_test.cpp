@@ -12,7 +12,7 @@
 #include <cmath>
 #include <thread>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::Random;
@@ -431,4 +431,4 @@ TEST_F(Team, EveryFrameIsWholeWhateverHappens) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// Waits until somebody waits for a turn.
@@ -216,4 +216,4 @@ TEST(Turns, WhoCameBackLatelySharesThoughNobodyWaits) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

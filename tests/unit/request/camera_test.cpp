@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr float NAN_ = std::numeric_limits<float>::quiet_NaN();
@@ -149,4 +149,4 @@ TEST(FrameConstants, CarryRequestAndScene) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 TEST(DeviceRows, ADeviceIsFoundByItsNameWithOrWithoutANumber) {
@@ -69,4 +69,4 @@ TEST(DeviceRows, TheSettingOffersTheirWords) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

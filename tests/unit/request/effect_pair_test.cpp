@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 std::shared_ptr<const Scene> glassScene() {
@@ -73,4 +73,4 @@ TEST(EffectPair, AllowingAllLeavesAViewersChoiceAlone) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <map>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::litBuilder;
@@ -414,4 +414,4 @@ TEST(EffectSet, SettingsAllowWhatTheySwitch) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 Settings with(std::initializer_list<const char*> values) {
@@ -51,4 +51,4 @@ TEST(Ladder, WhatDoesNothingIsNoRung) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

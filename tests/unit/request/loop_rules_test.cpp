@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr Readiness EVERY[] = {Readiness::ready, Readiness::busy, Readiness::noCredit, Readiness::stalled};
@@ -132,4 +132,4 @@ TEST(LoopRules, RestsOnlyWithNothingLeftOrSomebodyToWaitFor) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

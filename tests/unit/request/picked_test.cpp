@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// One triangle in the plane z = 0, the point (0, 0, 0) within.
@@ -76,4 +76,4 @@ TEST(Picked, IdsThatTheSceneDoesNotHaveLeaveThePlaceAlone) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

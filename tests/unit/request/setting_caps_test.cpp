@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 nlohmann::json rowOf(const nlohmann::json& schema, const std::string& name) {
@@ -49,4 +49,4 @@ TEST(SettingCaps, WhatIsBeyondThemIsNamedWithValueAndRange) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

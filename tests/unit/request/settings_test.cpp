@@ -8,7 +8,7 @@
 #include <functional>
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using nlohmann::json;
@@ -191,4 +191,4 @@ TEST(Settings, TileSizeIsInBlocksOfEight) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

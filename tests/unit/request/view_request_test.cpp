@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 ViewRequest request() {
@@ -109,4 +109,4 @@ TEST(TilesPerTurn, FewWhileOthersWaitButEnoughForAllWorkers) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -9,7 +9,7 @@
 
 #include <glm/geometric.hpp>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace testing_files;
@@ -217,4 +217,4 @@ TEST(MeshoptGeometry, TruncatedOrDamagedBytesHarmNothing) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace testing_files;
@@ -79,4 +79,4 @@ TEST(FarOrigin, InALargeSceneTheFirstCameraIsNearTheOrigin) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

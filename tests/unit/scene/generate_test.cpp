@@ -15,7 +15,7 @@
 #include <sstream>
 #include <tuple>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 std::shared_ptr<const Scene> generated(const std::string& name) {
@@ -351,4 +351,4 @@ TEST(OverlappingPairs, FindsFacesThatLieOnEachOtherAndNotThoseThatTouch) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

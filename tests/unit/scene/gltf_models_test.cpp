@@ -12,7 +12,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -173,4 +173,4 @@ TEST(Environments, AreRead) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace testing_files;
@@ -116,4 +116,4 @@ TEST(GltfExtensions, EachIsListedWithWhatBecomesOfIt) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

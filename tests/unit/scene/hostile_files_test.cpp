@@ -15,7 +15,7 @@
 #include <ctime>
 #include <iostream>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace testing_files;
@@ -162,4 +162,4 @@ TEST(HostileFiles, ByteMutationsOfABoxDoNoHarm) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

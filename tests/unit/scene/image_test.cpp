@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// What the kernel evaluates (environmentAmbient).
@@ -155,4 +155,4 @@ TEST(Pyramid, TransparentTexelsDoNotBleed) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -16,7 +16,7 @@
 
 #include <cmath>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -218,4 +218,4 @@ TEST(MaterialsPriority, OddValuesAreRefusedWithFieldAndRange) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using glm::dvec3;
@@ -87,4 +87,4 @@ TEST(PolygonCutter, EndsWithOutlinesThatNoTrianglesCover) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using ::testing::Contains;
@@ -448,4 +448,4 @@ TEST(SceneBuilder, RepairsMaterials) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

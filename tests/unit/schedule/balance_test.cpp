@@ -8,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 BalanceDevice device(const std::string& name, double rate, uint32_t workers = 1, double batchSeconds = 0.0) {
@@ -332,4 +332,4 @@ TEST(FrameBalance, ALostRangeDoesNotStopTheOther) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 struct Counts {
@@ -107,4 +107,4 @@ TEST(HybridTrial, NothingIsSaidBeforeBothSidesAreMeasured) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -6,7 +6,7 @@
 #include "tests/support/direct_renderer.h"
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr auto PATIENCE = std::chrono::seconds(30);
@@ -258,4 +258,4 @@ TEST(SceneCache, APinnedSceneStaysButIsNotInUseForThat) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

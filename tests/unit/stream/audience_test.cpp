@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 FinishedFrame frameWith(uint32_t generation, uint32_t samples) {
@@ -58,4 +58,4 @@ TEST(Audience, OneWithRoomIsEnough) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -5,7 +5,7 @@
 #include "tests/unit/stream/stream_fakes.h"
 #include <gtest/gtest.h>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -70,4 +70,4 @@ TEST_F(ThreadsShort, AFrameThatCannotBeEncodedYetComesAsSoonAsThereIsAThread) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

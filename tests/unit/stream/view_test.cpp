@@ -11,7 +11,7 @@
 #include <regex>
 #include <set>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace test;
@@ -498,4 +498,4 @@ TEST_F(Watching, AnyOrderOfComingAndGoingEndsWell) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -9,7 +9,7 @@
 #include <atomic>
 #include <future>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using test::UploadFolder;
@@ -107,4 +107,4 @@ TEST(UploadPace, ABurstBuysNoTimeAndWaitsOfTheServerDoNotCount) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -8,7 +8,7 @@
 
 #include <atomic>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 using namespace std::chrono_literals;
@@ -400,4 +400,4 @@ TEST(Viewer, OnePictureAtATimeAndNoneThatWasGivenUp) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 struct GivenUp {};  // no std::exception, as the scene cache's
@@ -143,4 +143,4 @@ TEST(EmbreeDevice, RendersInEveryQualityThoughItKeepsAFewTrees) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 constexpr float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
@@ -86,4 +86,4 @@ TEST_P(RayPacket, ASurfaceInTheOriginIsNotMet) {
 INSTANTIATE_TEST_SUITE_P(Widths, RayPacket, ::testing::Values(1u, 4u, 8u, 16u));
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -16,7 +16,7 @@
 #include <functional>
 #include <set>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 /// Does `work` again and again; each time `step` calls later one fails, until none does. Returns the names of those that did.
@@ -107,4 +107,4 @@ TEST(VulkanFaults, APreviewThatFailsHalfWayLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 LinearPicture linear(std::vector<vec3> pixels) {
@@ -202,4 +202,4 @@ TEST(LogSlope, IsThatOfAPower) {
 }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE

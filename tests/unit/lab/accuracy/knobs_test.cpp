@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <set>
 
-namespace heliograph {
+namespace heliograph::TEST_FILE {
 namespace {
 
 const Knob& named(std::string_view setting) { return *std::ranges::find(knobs(), setting, &Knob::setting); }
@@ -134,4 +134,4 @@ TEST(Knobs, NoneIsKeptFromActingByItself) {
 TEST(Knobs, ValuesThatTheSettingDoesNotTakeAreRefused) { EXPECT_THROW(turned({}, named("samples"), "0"), InputError); }
 
 }  // namespace
-}  // namespace heliograph
+}  // namespace heliograph::TEST_FILE
