@@ -19,6 +19,7 @@
 
 #include "server/device/embree/embree_device.h"
 #include "server/device/embree/embree_scene.h"
+#include "server/device/embree/flush_denormals.h"
 #include "server/device/vulkan/bench/ray_bench.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/encode/png_encoder.h"
@@ -27,8 +28,6 @@
 #include "server/kernel/kernel.h"
 
 #include <tbb/parallel_for.h>
-
-#include <pmmintrin.h>
 
 #include <algorithm>
 #include <cmath>
@@ -105,8 +104,7 @@ double traceEmbree(const TraceTarget& scene, const RayClass& rays, bool coherent
     answers.resize(count);
     double begin = now();
     tbb::parallel_for(size_t(0), (count + 1023) / 1024, [&](size_t block) {
-        _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-        _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+        const FlushDenormals flush;
         for (size_t first = block * 1024; first < std::min(count, (block + 1) * 1024); first += PACKET) {
             RTCRayHit16 packet;
             uint32_t n = static_cast<uint32_t>(std::min<size_t>(PACKET, count - first));

@@ -12,7 +12,8 @@
 #include <iostream>
 #include <unistd.h>
 
-#define TARGETS(TARGET) TARGET(message) TARGET(settings) TARGET(header) TARGET(image) TARGET(gltf) TARGET(glb) TARGET(obj)
+#define TARGETS(TARGET) \
+    TARGET(message) TARGET(settings) TARGET(header) TARGET(upload) TARGET(image) TARGET(gltf) TARGET(glb) TARGET(obj)
 #define DECLARE(NAME) extern "C" int fuzz_##NAME(const uint8_t* data, size_t size);
 TARGETS(DECLARE)
 

@@ -56,6 +56,14 @@ std::vector<Seed> headers() {
     return {{"frame", text(bytes)}};
 }
 
+std::vector<Seed> uploads() {
+    return {{"model", R"({"scene":"a/m.gltf","files":[{"path":"a/m.gltf","bytes":12},{"path":"a/m.bin","bytes":900}]})"},
+            {"sky", R"({"scene":"sky.hdr","files":[{"path":"sky.hdr","bytes":4096}]})"},
+            {"outside", R"({"scene":"a/../../m.obj","files":[{"path":"a/../../m.obj","bytes":1}]})"},
+            {"twice", R"({"scene":"M.glb","files":[{"path":"M.glb","bytes":1},{"path":"m.GLB","bytes":1}]})"},
+            {"folder", R"({"scene":"m.obj","files":[{"path":"m.obj","bytes":1},{"path":"m.obj/m.png","bytes":1}]})"}};
+}
+
 std::vector<Seed> images() {
     std::vector<Seed> seeds;
     DisplayImage image{8, 8, std::vector<uint8_t>(256)};
@@ -124,8 +132,8 @@ std::vector<Seed> obj() {
 }  // namespace
 
 std::map<std::string, std::vector<Seed>> seeds() {
-    return {{"message", messages()}, {"settings", settings()}, {"header", headers()}, {"image", images()},
-            {"gltf", gltf()},        {"glb", glb()},           {"obj", obj()}};
+    return {{"message", messages()}, {"settings", settings()}, {"header", headers()}, {"upload", uploads()},
+            {"image", images()},     {"gltf", gltf()},         {"glb", glb()},        {"obj", obj()}};
 }
 
 }  // namespace heliograph::fuzz

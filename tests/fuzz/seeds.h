@@ -12,7 +12,7 @@ struct Seed {
     std::string bytes;
 };
 
-/// By target: message, settings, header, image, gltf, glb, obj.
+/// By target: message, settings, header, upload, image, gltf, glb, obj.
 std::map<std::string, std::vector<Seed>> seeds();
 
 }  // namespace heliograph::fuzz

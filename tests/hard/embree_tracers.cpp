@@ -1,10 +1,10 @@
 // Bare Embree, one ray at a time, and the Embree device's scene and packets.
 
 #include "server/device/embree/embree_scene.h"
+#include "server/device/embree/flush_denormals.h"
 #include "tests/hard/tracer.h"
 
 #include <embree3/rtcore.h>
-#include <pmmintrin.h>
 
 #include <algorithm>
 #include <cstring>
@@ -123,11 +123,8 @@ public:
     void trace(std::span<const Ray> rays, std::vector<Met>& met) override {
         met.assign(rays.size(), {});
         inBlocks((rays.size() + PACKET - 1) / PACKET, [&](size_t begin, size_t end) {
-            const unsigned int before = _mm_getcsr();
-            _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as the device's threads have it
-            _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+            const FlushDenormals flush;  // as the device's threads have it
             for (size_t block = begin; block < end; block++) packet(rays, block * PACKET, met);
-            _mm_setcsr(before);
         });
     }
 

@@ -2,11 +2,11 @@
 
 #include "server/base/crew.h"
 #include "server/device/embree/embree_scene.h"
+#include "server/device/embree/flush_denormals.h"
 #include "server/device/embree/tile_programs.h"
 
 #include <tbb/task_arena.h>
 
-#include <pmmintrin.h>
 #include <time.h>
 
 #include <algorithm>
@@ -30,18 +30,6 @@ double threadSeconds() {
 
 /// Trees of a scene that are kept for settings in turn: viewers who differ in bvhQuality or robust.
 constexpr size_t MOST_TREES = 3;
-
-/// Denormal numbers count as 0 while it lives, as Embree recommends; the thread's own mode comes back afterwards.
-class FlushDenormals {
-public:
-    FlushDenormals() { _mm_setcsr(before_ | _MM_FLUSH_ZERO_ON | _MM_DENORMALS_ZERO_ON); }
-    ~FlushDenormals() { _mm_setcsr(before_); }
-    FlushDenormals(const FlushDenormals&) = delete;
-    FlushDenormals& operator=(const FlushDenormals&) = delete;
-
-private:
-    const unsigned before_ = _mm_getcsr();
-};
 
 /// Programs of whoever renders tiles, made when first needed.
 struct Worker {

@@ -2,12 +2,11 @@
 
 #include "server/base/clock.h"
 #include "server/device/embree/embree_scene.h"
+#include "server/device/embree/flush_denormals.h"
 #include "server/film/tile.h"
 #include "server/kernel/kernel.h"
 
 #include <tbb/parallel_for.h>
-
-#include <pmmintrin.h>
 
 #include <atomic>
 #include <stdexcept>
@@ -168,8 +167,7 @@ BareTime EmbreeRaw::trace(RayKind kind) {
     double wall = wallSeconds();
     size_t tasks = (list.packets.size() + TASK_PACKETS - 1) / TASK_PACKETS;
     tbb::parallel_for(size_t(0), tasks, [&](size_t task) {
-        _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-        _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+        const FlushDenormals flush;
         uint64_t hits = 0;
         for (size_t i = task * TASK_PACKETS; i < std::min((task + 1) * TASK_PACKETS, list.packets.size()); i++) {
             const BarePacket& bare = list.packets[i];

@@ -1,6 +1,7 @@
 // A load that is given up inside Embree, and what a device leaves behind on the threads that call it.
 
 #include "server/device/embree/embree_device.h"
+#include "server/device/embree/embree_raw.h"
 #include "server/device/embree/embree_scene.h"
 #include "server/request/frame_request.h"
 #include "tests/support/bodies.h"
@@ -85,6 +86,19 @@ TEST(EmbreeDevice, LeavesTheCallersModeOfDenormalNumbersAlone) {
     device->renderStream(request, {&tile, 1}, [&](TileResult&&) { inside = _mm_getcsr() & modes; }, {});
     EXPECT_EQ(inside, modes);
     EXPECT_EQ(_mm_getcsr() & modes, before);
+}
+
+TEST(EmbreeRaw, TheThreadThatBenchesCountsDenormalsAsBefore) {
+    const std::shared_ptr<const Scene> scene = twoBodies();
+    FrameRequest request;
+    request.camera = cameraFrom(scene->cameras.front());
+    request.resolution = uvec2(64, 64);
+    const unsigned modes = _MM_FLUSH_ZERO_MASK | _MM_DENORMALS_ZERO_MASK;
+    ASSERT_EQ(_mm_getcsr() & modes, 0u);
+    EmbreeRaw raw;
+    raw.prepare(scene, request);
+    EXPECT_EQ(raw.trace(RayKind::primary).rays, 64u * 64u);
+    EXPECT_EQ(_mm_getcsr() & modes, 0u);
 }
 
 /// Bytes in use of the whole process; 0 under sanitizers, whose heap says nothing.
