@@ -28,11 +28,20 @@ void LadderCosts::begin(std::span<const double> shares) {
     shares_.assign(shares.begin(), shares.end());
     now_.forget();
     rung_ = passes_ = 0;
+    tried_.assign(shares_.size(), false);
+    doubtful_ = false;
     costBefore_ = 0.0;
 }
 
 void LadderCosts::add(uint32_t rung, double pixels, double seconds) {
-    constexpr uint32_t ENOUGH = 3;  // passes, of which one may have been held up
+    constexpr uint32_t ENOUGH = 3;       // passes, of which one may have been held up
+    constexpr double NOT_OF_RAYS = 3.0;  // times what was foretold: by as much no foresight errs
+    const double foretold = perPixel(rung);
+    const bool first = !tried_[rung];
+    tried_[rung] = true;
+    if (first && foretold > 0.0 && seconds > NOT_OF_RAYS * foretold * pixels) return;
+    if (doubtful_ && rung == rung_ && NOT_OF_RAYS * seconds < foretold * pixels) now_.forget();
+    doubtful_ = first && foretold <= 0.0;
     if (rung != rung_) {
         learn();
         rungBefore_ = rung_;

@@ -28,6 +28,8 @@ public:
     void setScales(bool scales) { steps_ = scales ? SCALE_STEPS : 1; }
     uint32_t steps() const { return steps_; }
     uint32_t rungs() const { return static_cast<uint32_t>(shares_.size()); }
+    /// A pass of that rung. Its first one may hold the compiling of its program: where it took far longer than foretold it is not
+    /// believed, and where nothing was foretold the next one may replace it.
     void add(uint32_t rung, double pixels, double seconds);
     /// Seconds; 0 while nothing was measured.
     double perPixel(uint32_t rung) const { return now_.perPixel() * shares_[rung] / shares_[rung_]; }
@@ -39,6 +41,8 @@ private:
     std::vector<double> shares_{1.0};
     PixelCost now_;  // of rung_
     uint32_t rung_ = 0, passes_ = 0;
+    std::vector<bool> tried_{false};  // rungs
+    bool doubtful_ = false;           // now_ is of one first pass
     uint32_t rungBefore_ = 0;
     double costBefore_ = 0.0;  // of that one, when it was left; 0: nothing is to be learned from it
 };

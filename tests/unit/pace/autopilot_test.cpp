@@ -130,6 +130,37 @@ TEST(Autopilot, KnowsNothingAtFirstAndThenFromWhatWasSeen) {
     EXPECT_EQ(costs.perPixel(0), 0.0);
 }
 
+// A GPU's driver compiles a program in the first pass of a rung.
+TEST(Autopilot, APassThatOnlyCompiledMakesNoPictureSmall) {
+    const std::vector<double> foretold{1.0, 0.5};
+    LadderCosts costs;
+    costs.begin(foretold);
+    costs.add(0, PIXELS, 3.6);  // nothing is known to compare it with
+    costs.add(0, PIXELS, 0.05);
+    EXPECT_NEAR(passSeconds(costs, {}, PIXELS), 0.05, 1e-9) << "the next one told";
+    LadderChoice at = nextPlace({}, costs, PIXELS, BUDGET, 0.05);
+    EXPECT_EQ(at.rung, 1u);
+    EXPECT_EQ(at.step, 0u);
+    costs.add(1, PIXELS, 3.6);
+    at = nextPlace(at, costs, PIXELS, BUDGET, 3.6);
+    EXPECT_EQ(at.step, 0u);
+    costs.add(1, PIXELS, 0.026);
+    at = nextPlace(at, costs, PIXELS, BUDGET, 0.026);
+    EXPECT_EQ(at.rung, 1u);
+    EXPECT_EQ(at.step, 0u);
+}
+
+// Of a rung that was tried before it is the truth.
+TEST(Autopilot, ALongPassOfARungThatIsKnownIsBelieved) {
+    const std::vector<double> foretold{1.0, 0.5};
+    LadderCosts costs;
+    costs.begin(foretold);
+    for (int i = 0; i < 3; i++) costs.add(0, PIXELS, 0.02);
+    for (int i = 0; i < 7; i++) costs.add(0, PIXELS, 0.2);
+    EXPECT_NEAR(passSeconds(costs, {}, PIXELS), 0.2, 1e-9);
+    EXPECT_GT(nextPlace({}, costs, PIXELS, BUDGET, 0.2).step, 0u);
+}
+
 TEST(Autopilot, EndsAtTheLowestPlaceWhereNothingFits) {
     LadderCosts costs;
     const double shares[] = {1.0, 0.5};
