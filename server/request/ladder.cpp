@@ -20,13 +20,16 @@ constexpr Step STEPS[] = {
     {EFFECT_FOG, "fogSamples", "1"},
     {EFFECT_AMBIENT_OCCLUSION, "aoSamples", "9"},
     {EFFECT_SOFT_SHADOWS, "shadowSamples", "4"},
+    {EFFECT_MANY_LIGHTS, "lightRays", "4"},
     {EFFECT_AMBIENT_OCCLUSION, "aoSamples", "4"},
     {EFFECT_SOFT_SHADOWS, "shadowSamples", "2"},
+    {EFFECT_MANY_LIGHTS, "lightRays", "2"},
     {EFFECT_REFRACTIONS, "maxRefractions", "4"},
     {EFFECT_REFLECTIONS, "maxReflections", "1"},
     {EFFECT_INDIRECT_LIGHT, "indirectBounces", "1"},
     {EFFECT_AMBIENT_OCCLUSION, "aoSamples", "1"},
     {EFFECT_SOFT_SHADOWS, "shadowSamples", "1"},
+    {EFFECT_MANY_LIGHTS, "lightRays", "1"},
     {EFFECT_PATH, "maxBounces", "4"},
     {EFFECT_REFRACTIONS, "maxRefractions", "2"},
     {0, "contributionThreshold", "0.1"},
@@ -42,6 +45,7 @@ double weightOf(const Settings& s, EffectSet on) {
     double weight = 4.0;  // camera, points of light, shading
     if (on.has(EFFECT_AMBIENT_OCCLUSION)) weight += s.aoSamples;
     if (on.has(EFFECT_SOFT_SHADOWS)) weight += s.shadowSamples;
+    if (on.has(EFFECT_MANY_LIGHTS)) weight += 1.5 * s.lightRays;  // and the choice of the light
     if (on.has(EFFECT_FOG)) weight += 2.0 * s.fogSamples;
     if (on.has(EFFECT_INDIRECT_LIGHT)) weight += 4.0 * s.indirectBounces;
     if (on.has(EFFECT_GLOSSY_REFLECTIONS)) weight += 4.0;

@@ -50,5 +50,13 @@ TEST(Ladder, WhatDoesNothingIsNoRung) {
     EXPECT_EQ(few[2].setting, "ambientOcclusion");
 }
 
+TEST(Ladder, FewerOfManyLightsAreAskedBeforeNoneAre) {
+    std::vector<std::string> asked;
+    for (const LadderRung& rung : ladderOf(with({"lightRays=8"}), {EFFECT_MANY_LIGHTS | EFFECT_SHADOWS}))
+        if (rung.setting == "lightRays") asked.push_back(rung.before + " " + rung.after);
+    EXPECT_EQ(asked, (std::vector<std::string>{"8 4", "4 2", "2 1"}));
+    for (const LadderRung& rung : ladderOf(with({"lightRays=8"}), {EFFECT_SHADOWS})) EXPECT_NE(rung.setting, "lightRays");
+}
+
 }  // namespace
 }  // namespace heliograph::TEST_FILE
