@@ -17,7 +17,8 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.cameraBefore = kernelCamera(request.previousCamera.value_or(request.camera), request.resolution);
     if (request.effects.has(EFFECT_NESTED_MEDIA)) {
         constants.camera.media = mediaAt(scene, constants.camera.origin);
-        constants.cameraBefore.media = mediaAt(scene, constants.cameraBefore.origin);
+        const bool moved = constants.cameraBefore.origin != constants.camera.origin;
+        constants.cameraBefore.media = moved ? mediaAt(scene, constants.cameraBefore.origin) : constants.camera.media;
     }
     constants.fogRadius = scene.bounds.radius();
     constants.fogCenter = scene.bounds.empty() ? vec3(0.0f) : scene.bounds.center();
