@@ -1,16 +1,10 @@
 #include "server/app/bench/bench_adaptive.h"
 
-#include "server/app/bench/bench_views.h"
-#include "server/app/devices.h"
 #include "server/base/error.h"
-#include "server/base/progress_bar.h"
 #include "server/film/film.h"
 #include "server/lab/accuracy/reference.h"
 #include "server/lab/live/adaptive_check.h"
 #include "server/render/frame_renderer.h"
-#include "server/scene/load/scene_source.h"
-
-#include <fmt/format.h>
 
 #include <cmath>
 #include <iostream>
@@ -23,14 +17,10 @@ constexpr int64_t MOST_ADAPTIVE_VIEWS = 16, MOST_ADAPTIVE_SAMPLES = 1 << 16, MOS
 constexpr double LEAST_TARGET = 0.01, MOST_TARGET = 50.0;  // %
 
 void checkBounds(const BenchAdaptiveOptions& options) {
-    auto within = [](const char* option, auto value, auto low, auto high) {
-        if (value >= low && value <= high) return;
-        throw InputError(option, fmt::format("{}", value), fmt::format("{} to {}", low, high));
-    };
-    within("--views", options.views, int64_t{1}, MOST_ADAPTIVE_VIEWS);
-    within("--target", options.target, LEAST_TARGET, MOST_TARGET);
-    within("--samples", options.samples, int64_t{ADAPTIVE_FROM}, MOST_ADAPTIVE_SAMPLES);
-    within("--reference", options.reference, int64_t{2 * Reference::RUN}, MOST_ADAPTIVE_REFERENCE);
+    checkWithin("--views", options.views, 1, MOST_ADAPTIVE_VIEWS);
+    checkWithin("--target", options.target, LEAST_TARGET, MOST_TARGET);
+    checkWithin("--samples", options.samples, int64_t{ADAPTIVE_FROM}, MOST_ADAPTIVE_SAMPLES);
+    checkWithin("--reference", options.reference, int64_t{2 * Reference::RUN}, MOST_ADAPTIVE_REFERENCE);
 }
 
 }  // namespace
@@ -40,46 +30,31 @@ int runBenchAdaptive(const BenchAdaptiveOptions& options, std::ostream& out) {
     const GivenSettings given = givenSettings(options);
     const uvec2 resolution = renderedSize(parsedSize(options.size), given.settings);
     std::vector<AdaptiveView> checked;
-    {
-        ProgressBar bar;
-        std::unique_ptr<Renderer> device = makeRenderer(given.settings);
-        for (const std::string& name : options.scenes) {
-            const std::shared_ptr<const Scene> scene = openScene(name, options.environment, bar.progress());
-            device->load(scene, given.settings, bar.progress());
-            for (const NamedView& view : viewsOf(*scene, static_cast<size_t>(options.views), given)) {
-                const FrameRequest request = frameRequest(*scene, view.camera, given.settings, resolution, 1);
-                AdaptiveBounds bounds;
-                bounds.white = Film::WHITE * std::exp2(-(scene->exposure + given.settings.exposure));
-                bounds.target = options.target / 100.0;
-                bounds.samples = static_cast<uint32_t>(options.samples);
-                bounds.referenceSamples = static_cast<uint32_t>(options.reference);
-                checked.push_back(checkAdaptive(*device, request, bounds, bar.progress()));
-                checked.back().scene = scene->name;
-                checked.back().view = view.name;
-            }
+    eachScene(options, given.settings, false, [&](Renderer& device, const Scene& scene, const Progress& progress) {
+        for (const NamedView& view : viewsOf(scene, static_cast<size_t>(options.views), given)) {
+            const FrameRequest request = frameRequest(scene, view.camera, given.settings, resolution, 1);
+            AdaptiveBounds bounds;
+            bounds.white = Film::WHITE * std::exp2(-(scene.exposure + given.settings.exposure));
+            bounds.target = options.target / 100.0;
+            bounds.samples = static_cast<uint32_t>(options.samples);
+            bounds.referenceSamples = static_cast<uint32_t>(options.reference);
+            checked.push_back(checkAdaptive(device, request, bounds, progress));
+            checked.back().scene = scene.name;
+            checked.back().view = view.name;
         }
-    }
-    if (!options.json) out << toTable(checked);
-    else out << toJson(checked).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << "\n";
+    });
+    printRows(options, checked, out);
     return 0;
 }
 
 void addBenchAdaptive(CLI::App& bench, std::function<int()>& run) {
     auto options = std::make_shared<BenchAdaptiveOptions>();
     CLI::App* command = bench.add_subcommand("adaptive", "What samples by need save on the way to an error target");
-    command->add_option("scenes", options->scenes, "Names of scenes or files")
-        ->type_name("SCENE")
-        ->expected(0, 64)
-        ->capture_default_str();
-    command->add_option("--environment", options->environment, "Image around each of the scenes")->type_name("FILE");
-    command->add_option("--views", options->views, "Views of each scene at most: its cameras, then places along its path")
-        ->type_name("N")
-        ->capture_default_str();
-    command->add_option("--target", options->target, "Error to come down to")->type_name("%")->capture_default_str();
-    command->add_option("--samples", options->samples, "Samples of a pixel at most")->type_name("N")->capture_default_str();
-    command->add_option("--reference", options->reference, "Samples of the reference, which has other noise")
-        ->type_name("N")
-        ->capture_default_str();
+    addScenesOptions(*command, *options);
+    addValue(*command, "--views", options->views, "N", "Views of each scene at most: its cameras, then places along its path");
+    addValue(*command, "--target", options->target, "%", "Error to come down to");
+    addValue(*command, "--samples", options->samples, "N", "Samples of a pixel at most");
+    addValue(*command, "--reference", options->reference, "N", "Samples of the reference, which has other noise");
     addRenderOptions(*command, *options);
     addJsonOption(*command, *options);
     command->footer(

@@ -1,16 +1,15 @@
 #pragma once
 // `heliograph bench adaptive`: what samples by need save, and whether they leave the mean as it is.
 
-#include "server/app/scene_options.h"
+#include "server/app/bench/bench_views.h"
 
 #include <functional>
 #include <iosfwd>
 
 namespace heliograph {
 
-struct BenchAdaptiveOptions : SceneOptions {
-    BenchAdaptiveOptions() { size = "320x180"; }
-    std::vector<std::string> scenes{"courtyard", "cathedral", "glass"};
+struct BenchAdaptiveOptions : ScenesOptions {
+    BenchAdaptiveOptions() : ScenesOptions({"courtyard", "cathedral", "glass"}, "320x180") {}
     int64_t views = 1;         // of each scene, at most
     double target = 1.0;       // %
     int64_t samples = 1024;    // of a pixel, at most

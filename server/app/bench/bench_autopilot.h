@@ -1,16 +1,15 @@
 #pragma once
 // `heliograph bench autopilot`: whether pictures of a moving view hold a time budget, and what they do without for it.
 
-#include "server/app/scene_options.h"
+#include "server/app/bench/bench_views.h"
 
 #include <functional>
 #include <iosfwd>
 
 namespace heliograph {
 
-struct BenchAutopilotOptions : SceneOptions {
-    BenchAutopilotOptions() { size = "1280x720"; }
-    std::vector<std::string> scenes{"courtyard", "cathedral", "glass"};
+struct BenchAutopilotOptions : ScenesOptions {
+    BenchAutopilotOptions() : ScenesOptions({"courtyard", "cathedral", "glass"}, "1280x720") {}
     double budget = 33.0;  // ms
     int64_t frames = 120;  // of a flight
 };

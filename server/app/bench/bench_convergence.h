@@ -1,16 +1,15 @@
 #pragma once
 // `heliograph bench convergence`: how error falls with samples, and what an error costs in several scenes.
 
-#include "server/app/scene_options.h"
+#include "server/app/bench/bench_views.h"
 
 #include <functional>
 #include <iosfwd>
 
 namespace heliograph {
 
-struct BenchConvergenceOptions : SceneOptions {
-    BenchConvergenceOptions() { size = "320x180"; }
-    std::vector<std::string> scenes{"effects/few-lights", "effects/many-lights"};
+struct BenchConvergenceOptions : ScenesOptions {
+    BenchConvergenceOptions() : ScenesOptions({"effects/few-lights", "effects/many-lights"}, "320x180") {}
     double target = 2.0;       // percent
     int64_t samples = 256;     // a power of two
     int64_t reference = 2048;  // samples

@@ -1,16 +1,15 @@
 #pragma once
 // `heliograph bench forecast`: whether pictures tell their own error truly.
 
-#include "server/app/scene_options.h"
+#include "server/app/bench/bench_views.h"
 
 #include <functional>
 #include <iosfwd>
 
 namespace heliograph {
 
-struct BenchForecastOptions : SceneOptions {
-    BenchForecastOptions() { size = "320x180"; }
-    std::vector<std::string> scenes{"courtyard", "cathedral", "glass"};
+struct BenchForecastOptions : ScenesOptions {
+    BenchForecastOptions() : ScenesOptions({"courtyard", "cathedral", "glass"}, "320x180") {}
     int64_t views = 2;         // of each scene, at most
     int64_t samples = 256;     // a power of two
     int64_t reference = 2048;  // samples
