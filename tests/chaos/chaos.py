@@ -215,9 +215,12 @@ def make(fault, name, watcher):
     """The watcher moves all the while, and reads."""
     worker = threading.Thread(target=getattr(fault, name))
     worker.start()
-    while watcher.closed is None and worker.is_alive():
-        watcher.look()
-        watcher.read(0.05)
+    try:
+        while watcher.closed is None and worker.is_alive():
+            watcher.look()
+            watcher.read(0.05)
+    except OSError as error:
+        watcher.closed = 'without a word (%s)' % error
     worker.join()
 
 
@@ -345,6 +348,7 @@ def main():
         make(fault, name, watcher)
         if watcher.closed is not None or server.process.poll() is not None:
             row(name, server.process.poll() is None, False, False)
+            print('the watcher was closed: %s; the server: %s\n%s' % (watcher.closed, server.process.poll(), server.log()[-4000:]))
             break
         watcher.look()
         answered = watcher.answered()
