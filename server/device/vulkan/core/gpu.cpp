@@ -2,6 +2,9 @@
 
 #include <chrono>
 #include <cstring>
+#include <new>
+
+#include <sys/mman.h>
 
 namespace heliograph {
 
@@ -12,6 +15,15 @@ using Clock = std::chrono::steady_clock;
 constexpr auto SPIN = std::chrono::microseconds(100);
 constexpr uint64_t PATIENCE = 20'000'000'000;  // ns; a device that is silent for so long is lost
 constexpr float PRIORITY = 1.0f;
+constexpr size_t DRIVER_ROOM = 256 << 20;  // bytes; a batch takes less, and so does the compiling of a program
+
+/// Whether so many bytes could be had, by a limit on addresses (ulimit -v). None are taken.
+bool isThereRoom(size_t bytes) {
+    void* place = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (place == MAP_FAILED) return false;
+    munmap(place, bytes);
+    return true;
+}
 
 }  // namespace
 
@@ -170,6 +182,13 @@ VkCommandBuffer Gpu::newCommands() {
 
 void Gpu::freeCommands(VkCommandBuffer commands) { vkFreeCommandBuffers(handle(), pool_.get(), 1, &commands); }
 
+void Gpu::beginCommands(VkCommandBuffer commands) {
+    if (physical_.isCpu() && !isThereRoom(DRIVER_ROOM)) throw std::bad_alloc();
+    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(vkBeginCommandBuffer(commands, &begin), "record");
+}
+
 void Gpu::runNow(const std::function<void(VkCommandBuffer)>& record) {
     struct Freed {
         Gpu& gpu;
@@ -177,9 +196,7 @@ void Gpu::runNow(const std::function<void(VkCommandBuffer)>& record) {
         ~Freed() { gpu.freeCommands(commands); }
     };
     const Freed own{*this};
-    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(own.commands, &begin), "record");
+    beginCommands(own.commands);
     record(own.commands);
     check(vkEndCommandBuffer(own.commands), "record");
     wait(submit(own.commands));

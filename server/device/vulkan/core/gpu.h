@@ -97,6 +97,9 @@ public:
 
     VkCommandBuffer newCommands();
     void freeCommands(VkCommandBuffer commands);
+    /// Commands from now on, to be submitted once. Throws std::bad_alloc where the driver could run out of memory on the way:
+    /// Mesa's software drivers write through null pointers then, which ends the process.
+    void beginCommands(VkCommandBuffer commands);
     /// Records with `record`, runs it and waits.
     void runNow(const std::function<void(VkCommandBuffer)>& record);
     /// Hands over; returns the number that `wait` and `isDone` know it by. Numbers grow.

@@ -136,9 +136,7 @@ void Batch::dispatch(VkPipeline pipeline, uint32_t groupsBefore, uint32_t groups
 }
 
 void Batch::record(VkPipeline pipeline, VkPipeline firstSurface) {
-    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(commands_, &begin), "record");
+    gpu_.beginCommands(commands_);
     uint64_t counts = tiles_.size() * COUNTS_PER_TILE * sizeof(uint32_t);
     vkCmdResetQueryPool(commands_, queries_.get(), 0, 2);
     vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_.get(), 0);

@@ -8,13 +8,19 @@
 #include "server/device/vulkan/raster/raster_target.h"
 #include "server/device/vulkan/trace/gpu_scene.h"
 #include "server/device/vulkan/trace/vulkan_device.h"
+#include "server/scene/load/scene_source.h"
 #include "tests/support/direct_renderer.h"
 #include "tests/support/test_scenes.h"
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <functional>
+#include <new>
 #include <set>
+
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace heliograph::TEST_FILE {
 namespace {
@@ -104,6 +110,49 @@ TEST(VulkanFaults, APreviewThatFailsHalfWayLeavesNothing) {
     if (!context->find("").graphics) GTEST_SKIP() << "the device draws nothing";
     const auto failed = failEach([] { drawOnce(makeRasterDevice()); });
     expectAll(failed, {"vkCreateGraphicsPipelines", "vkCreateFramebuffer", "vkCreateImage"});
+}
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool ADDRESSES_ARE_TAKEN = true;  // by the sanitizer, far beyond any limit
+#else
+constexpr bool ADDRESSES_ARE_TAKEN = false;
+#endif
+
+uint64_t addressesInUse() {
+    std::ifstream statm("/proc/self/statm");
+    uint64_t pages = 0;
+    statm >> pages;
+    return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+// Mesa's driver ended the process where its own allocations failed.
+TEST(VulkanFaults, WithoutAddressesForTheDriverAFrameIsLostAndNothingElse) {
+    if (ADDRESSES_ARE_TAKEN) GTEST_SKIP() << "the sanitizer takes more addresses than a limit could leave";
+    const auto scene = openScene("cornell");
+    const auto device = makeVulkanDevice("", VulkanOptions{});
+    const Settings settings;
+    device->load(scene, settings, {});
+    const FrameRequest request = frameRequest(*scene, cameraFrom(scene->cameras.front()), settings, {32, 24}, 1);
+    Tile tile;
+    tile.size = request.resolution;
+    size_t tiles = 0;
+    const auto render = [&] { device->render(request, {&tile, 1}, [&](TileResult&&) { tiles++; }, {}); };
+    render();
+    ASSERT_EQ(tiles, 1u);
+    rlimit before{};
+    ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+    const rlimit tight{addressesInUse() + (8 << 20), before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_AS, &tight), 0);
+    bool refused = false;
+    try {
+        render();
+    } catch (const std::bad_alloc&) {
+        refused = true;
+    }
+    ASSERT_EQ(setrlimit(RLIMIT_AS, &before), 0);
+    EXPECT_TRUE(refused);
+    render();
+    EXPECT_EQ(tiles, 2u);
 }
 
 }  // namespace
