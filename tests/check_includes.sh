@@ -27,13 +27,15 @@ device/vulkan/tree   base kernel scene device/vulkan/core
 device/vulkan/trace  base kernel scene request film device device/vulkan/core device/vulkan/tree shaders
 device/vulkan/raster base kernel scene request film device device/vulkan/core device/vulkan/trace
 device/vulkan/bench  base kernel scene request film device device/vulkan/core device/vulkan/tree device/vulkan/trace
-device/remote        base kernel scene request film device pool
+device/remote        base kernel scene request film device pool pool/wire
 encode               base kernel images
 net/guard            base
 net/listen           base net/guard
 uploads              base net/guard
 net                  base kernel scene request net/guard net/listen uploads
-pool                 base kernel scene request film net
+pool/wire            base kernel scene request film
+pool                 base kernel scene request film net/guard pool/wire
+pool/node            base kernel scene request film device schedule render pool pool/wire
 lab                  base kernel scene request film device schedule render
 lab/accuracy         base kernel scene images request film device schedule render encode lab pace
 lab/live             base kernel scene request film device schedule render lab lab/accuracy pace
@@ -44,7 +46,7 @@ viewer               base kernel scene scene/load request film device schedule r
 stream               base kernel scene scene/load request film device schedule render pace loop net net/guard viewer
 operations           base kernel scene request film net net/guard net/listen viewer
 service              base kernel scene scene/load request film device schedule render loop encode net net/guard viewer stream operations
-app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool lab lab/accuracy lab/convergence lab/live viewer stream operations service uploads
+app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool pool/wire pool/node lab lab/accuracy lab/convergence lab/live viewer stream operations service uploads
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...

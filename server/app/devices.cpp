@@ -24,6 +24,11 @@ std::vector<PhysicalDevice> usableVulkanDevices() {
     return devices;
 }
 
+/// Nodes are devices of a pool (pool_devices.h).
+std::unique_ptr<Device> makePoolNode(const std::string& which) {
+    throw InputError("device", "node:" + which, "with --pool, a node that is there");
+}
+
 // A Vulkan device that is no processor: only that is faster than Embree.
 bool isGpu(const PhysicalDevice& device) { return !device.isCpu(); }
 
@@ -73,6 +78,14 @@ std::unique_ptr<Renderer> makeRenderer(const Settings& settings) {
     return std::make_unique<CommandRenderer>(std::move(offer));
 }
 
+std::unique_ptr<Renderer> makeRenderer(DeviceOffer offer) { return std::make_unique<CommandRenderer>(std::move(offer)); }
+
+bool deviceIsGpu(const std::string& name) {
+    return std::ranges::any_of(usableVulkanDevices(), [&](const PhysicalDevice& device) {
+        return isGpu(device) && numberedDevice(device_name::vulkan, device.index) == name;
+    });
+}
+
 std::vector<std::string> hybridDevices() { return deviceOffer().team; }
 
 std::unique_ptr<Renderer> makeForcedPair(std::string& why) {
@@ -112,8 +125,8 @@ DeviceOffer deviceOffer(const std::vector<std::string>& only) {
     }
     if (std::ranges::any_of(devices, &PhysicalDevice::graphics)) offer.words.push_back(raster);
     for (const DeviceRow& row : deviceRows()) {
-        const bool asksForVulkan = row.kind == DeviceKind::gpu || row.kind == DeviceKind::preview;
-        if (!asksForVulkan && row.name != embree) offer.words.emplace_back(row.name);
+        const bool isElsewhere = row.kind == DeviceKind::gpu || row.kind == DeviceKind::preview || row.kind == DeviceKind::node;
+        if (!isElsewhere && row.name != embree) offer.words.emplace_back(row.name);
     }
     offer.words.push_back("hybrid");
     auto asked = [&](const std::string& word) { return only.empty() || std::ranges::find(only, word) != only.end(); };

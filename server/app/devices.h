@@ -14,6 +14,10 @@ std::unique_ptr<Device> makeNamed(const std::string& word);
 /// Behind a Vulkan device stands the CPU, should it fail. For commands: hybrid waits until all its devices are ready.
 /// Throws InputError where the one of `settings` is not there.
 std::unique_ptr<Renderer> makeRenderer(const Settings& settings);
+/// The devices of the offer with a scheduler of their own; hybrid waits until all are ready.
+std::unique_ptr<Renderer> makeRenderer(DeviceOffer offer);
+/// Whether "vulkan:N" is there and no processor.
+bool deviceIsGpu(const std::string& name);
 /// What viewers may choose: all devices that work here, or `only` these words, of which `auto` then means the first. Asks
 /// the drivers once. Throws InputError for a word that is not there.
 DeviceOffer deviceOffer(const std::vector<std::string>& only = {});

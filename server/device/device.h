@@ -26,6 +26,7 @@ struct DeviceInfo {
     double roundTrip = 0.0;       // seconds on the wire, there and back; 0 for a local device
     bool overlaps = false;        // one call of `render` keeps it busier than its streams do, while nobody else works
     bool stampsTiles = true;      // TileResult::seconds add up to the time of the stream; else only the call can be timed
+    bool queues = false;          // a call waits for those before it: the tiles' stamps are the device's time for it alone
     bool drawsWhole = false;      // a call costs as much for one tile as for all: a pass is one call
     /// As its row says; what the table doesn't have is a node of elsewhere.
     DeviceKind kind() const {

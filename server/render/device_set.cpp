@@ -36,23 +36,23 @@ public:
             scene_ = std::move(scene);
             first_ = offer_.nameOf(settings);
         }
-        if (first_ != HYBRID) {
+        if (!isTeam(first_)) {
             usable(first_, settings, progress);
             if (hasFallback(first_) && !options_.patient)
                 background_.run(scheduler_.pool(), [this, settings] { loadFallback(settings); });
             return;
         }
         bool any = false;
-        for (const std::string& name : offer_.team) {
+        for (const std::string& name : membersOf(first_, true)) {
             if (switchedOff(name, settings) || (any && !options_.patient)) continue;
             any |= loaded(name, settings, progress) != nullptr;
         }
-        if (!any) throw std::runtime_error("hybrid: " + whyNobody(settings, {}));
+        if (!any) throw std::runtime_error(first_ + ": " + whyNobody(first_, settings, {}));
     }
 
     void prepare(const Settings& settings) override {
         const std::string name = offer_.nameOf(settings);
-        if (name != HYBRID) usable(name, settings, {})->prepare(settings);
+        if (!isTeam(name)) usable(name, settings, {})->prepare(settings);
     }
 
     ScheduleReport render(const FrameRequest& request, std::span<const Tile> tiles, ViewMemory& view, const TileSink& sink,
@@ -66,7 +66,7 @@ public:
             report.append(result.report);
             for (const DeviceFailure& failure : result.failures) {
                 memory_.rates.forget(failure.device);
-                if (name != HYBRID && !hasFallback(name)) throw std::runtime_error(failure.why);
+                if (!isTeam(name) && !hasFallback(name)) throw std::runtime_error(failure.why);
                 if (failure.ofMemory) full.insert(failure.device), noteFull(failure, request.resolution);
                 else setAside(failure.device, failure.why);
             }
@@ -98,17 +98,43 @@ private:
         return slot;
     }
 
+    static bool isTeam(std::string_view name) { return name == HYBRID || name == POOL || name == POOLED; }
+
+    /// The devices of a team, this machine's first. `standIn`: with the one that stands in for nodes.
+    std::vector<std::string> membersOf(std::string_view team, bool standIn = false) const {
+        std::vector<std::string> members;
+        if (team == HYBRID) members = offer_.team;
+        else if (team == POOLED) members = {offer_.own};
+        else if (standIn) members = {offer_.fallback};
+        if (offer_.nodes) std::ranges::move(offer_.nodes(), std::back_inserter(members));
+        return members;
+    }
+
+    /// Nodes that have left are forgotten.
+    void forgetNodes(const std::vector<std::string>& members) {
+        if (!offer_.nodes) return;
+        std::vector<std::shared_ptr<DeviceSlot>> gone;  // end without the lock
+        std::lock_guard lock(mutex_);
+        std::erase_if(entries_, [&](const auto& entry) {
+            const DeviceRow* row = deviceRow(entry.first);
+            if (!row || row->kind != DeviceKind::node || std::ranges::find(members, entry.first) != members.end()) return false;
+            memory_.rates.forget(entry.first);
+            gone.push_back(entry.second);
+            return true;
+        });
+    }
+
     /// Of the device, or of its fallback once that has taken over.
     DeviceInfo infoOf(const std::string& name) const {
         DeviceInfo info;
-        if (name != HYBRID) {
+        if (!isTeam(name)) {
             std::shared_ptr<Device> device = entry(name)->ready();
             if (!device && hasFallback(name) && !entry(name)->failure().empty()) device = entry(offer_.fallback)->ready();
             return device ? device->info() : info;
         }
-        info.name = HYBRID;
+        info.name = name == HYBRID ? HYBRID : std::string(POOL);
         info.workers = 0;
-        for (const std::string& member : offer_.team) {
+        for (const std::string& member : membersOf(name, true)) {
             std::shared_ptr<Device> device = entry(member)->ready();
             if (!device) continue;
             info.details += (info.details.empty() ? "" : " + ") + device->info().name;
@@ -219,17 +245,23 @@ private:
 
     /// Who may render for that name now. Waits for the first that is ready. Throws when there is nobody.
     std::vector<Candidate> team(const std::string& name, const FrameRequest& request, const std::set<std::string>& full) {
-        if (name != HYBRID) return loner(name, request, full);
+        if (!isTeam(name)) return loner(name, request, full);
         auto can = [](const Candidate& c) { return c.blocked.empty(); };
-        std::vector<Candidate> team = candidates(request, full);
+        std::vector<std::string> members = membersOf(name);
+        forgetNodes(members);
+        std::vector<Candidate> team = candidates(members, request, full);
+        if (name == POOL && std::ranges::none_of(team, can)) {
+            members = membersOf(name, true);
+            team = candidates(members, request, full);
+        }
         if (std::ranges::none_of(team, can)) {
-            for (const std::string& member : offer_.team) {
+            for (const std::string& member : members) {
                 if (switchedOff(member, request.settings) || full.contains(member)) continue;
                 if (warmedUp(member, request)) break;
             }
-            team = candidates(request, full);
+            team = candidates(members, request, full);
         }
-        if (std::ranges::none_of(team, can)) throw std::runtime_error("hybrid: " + whyNobody(request.settings, full));
+        if (std::ranges::none_of(team, can)) throw std::runtime_error(name + ": " + whyNobody(name, request.settings, full));
         return team;
     }
 
@@ -263,9 +295,9 @@ private:
     }
 
     /// Why no device is left.
-    std::string whyNobody(const Settings& settings, const std::set<std::string>& full) {
+    std::string whyNobody(std::string_view team, const Settings& settings, const std::set<std::string>& full) {
         std::vector<std::string> reasons;
-        for (const std::string& name : offer_.team) {
+        for (const std::string& name : membersOf(team, true)) {
             std::string why = switchedOff(name, settings) ? "switched off" : entry(name)->failure();
             if (why.empty() && full.contains(name)) why = NO_MEMORY;
             if (why.empty()) why = entry(name)->ready() ? "did not deliver" : "is not ready";
@@ -274,9 +306,10 @@ private:
         return reasons.empty() ? "no device here" : joined(reasons, "; ");
     }
 
-    std::vector<Candidate> candidates(const FrameRequest& request, const std::set<std::string>& full) {
+    std::vector<Candidate> candidates(const std::vector<std::string>& members, const FrameRequest& request,
+                                      const std::set<std::string>& full) {
         std::vector<Candidate> team;
-        for (const std::string& name : offer_.team) {
+        for (const std::string& name : members) {
             std::shared_ptr<DeviceSlot> member = entry(name);
             Candidate c = candidateOf(*member, member->ready(), request.settings);
             if (switchedOff(name, request.settings)) c.blocked = "switched off";

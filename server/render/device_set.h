@@ -19,8 +19,16 @@ struct DeviceOffer {
     /// Throws InputError for a device that is not there, std::runtime_error if it cannot start.
     std::function<std::unique_ptr<Device>(const std::string& name)> make;
     std::vector<std::string> team;  // devices of hybrid, the one that is ready soonest first
-    std::string fallback;           // that takes over from a traced device that compiles or failed; empty: none does
+    /// Devices that come and go: nodes of the pool that may render now. They take part in hybrid and in the teams POOL and
+    /// POOLED. Empty where there is no pool.
+    std::function<std::vector<std::string>()> nodes = {};
+    std::string own = {};  // of this machine, that renders beside the nodes in POOLED
+    std::string fallback;  // that takes over from a traced device that compiles or failed; empty: none does
 };
+
+/// Names that `nameOf` may return beside those of devices: the nodes alone, for which the fallback stands in while none can render;
+/// the nodes and this machine's own device.
+inline constexpr std::string_view POOL = "pool", POOLED = "pooled";
 
 struct DeviceSetOptions {
     DeviceNotice notice;
