@@ -57,7 +57,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_DEB_SERVER_PACKAGE_NAME heliograph)
-set(CPACK_DEBIAN_DEB_SERVER_PACKAGE_SUGGESTS "heliograph-images, mesa-vulkan-drivers")
+set(CPACK_DEBIAN_DEB_SERVER_PACKAGE_SUGGESTS "heliograph-images, libnats3.4, mesa-vulkan-drivers")
 set(CPACK_DEBIAN_DEB_SERVER_PACKAGE_CONTROL_EXTRA
   "${CMAKE_SOURCE_DIR}/packaging/debian/postinst;${CMAKE_SOURCE_DIR}/packaging/debian/prerm;${CMAKE_SOURCE_DIR}/packaging/debian/postrm;${CMAKE_SOURCE_DIR}/packaging/debian/conffiles")
 set(CPACK_DEBIAN_DEB_IMAGES_PACKAGE_NAME heliograph-images)

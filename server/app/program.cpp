@@ -4,6 +4,7 @@
 #include "server/app/devices_command.h"
 #include "server/app/doctor_command.h"
 #include "server/app/inspect_command.h"
+#include "server/app/node_command.h"
 #include "server/app/render_command.h"
 #include "server/app/serve_command.h"
 #include "server/base/error.h"
@@ -69,6 +70,7 @@ int runProgram(int argc, const char* const* argv) {
     std::function<int()> run;
     describe(app);
     addServeCommand(app, run);
+    addNodeCommand(app, run);
     addRenderCommand(app, run);
     addInspectCommand(app, run);
     addDevicesCommand(app, run);

@@ -1,6 +1,7 @@
 #include "server/app/render_command.h"
 
 #include "server/app/devices.h"
+#include "server/app/pool_devices.h"
 #include "server/app/frame_range.h"
 #include "server/app/picture_target.h"
 #include "server/base/clock.h"
@@ -109,9 +110,10 @@ public:
         result_.scene = scene_->name;
     }
 
-    void build(const Progress& progress) {
+    void build(const RenderOptions& options, const Progress& progress) {
         StopWatch watch;
-        device_ = makeRenderer(given_.settings);
+        device_ =
+            options.broker.url.empty() ? makeRenderer(given_.settings) : makePoolRenderer(options.broker, options.poolNodes);
         device_->load(scene_, given_.settings, progress);
         result_.ms.build = watch.milliseconds();
         result_.device = device_->info().name;
@@ -156,7 +158,7 @@ int renderPicture(Studio& studio, const RenderOptions& options, std::ostream& ou
     {
         ProgressBar bar;
         studio.open(options, bar.progress());
-        studio.build(bar.progress());
+        studio.build(options, bar.progress());
         studio.picture(studio.camera(), studio.previous(), 0, bar.progress());
     }
     warn(studio.scene());
@@ -190,7 +192,7 @@ void renderFrames(Studio& studio, const RenderOptions& options, const PictureTar
     batch.skipped = batch.range.count() - static_cast<uint32_t>(wanted.size());
     if (wanted.empty()) return;
     ProgressBar bar;
-    studio.build(bar.progress());
+    studio.build(options, bar.progress());
     StopWatch watch;
     const auto count = static_cast<uint32_t>(wanted.size());
     for (uint32_t done = 0; done < count; done++) {
@@ -292,6 +294,10 @@ void addRenderCommand(CLI::App& app, std::function<int()>& run) {
         ->capture_default_str();
     command->add_flag("--resume", options->resume, "Leave frames alone whose file is there");
     addRenderOptions(*command, *options);
+    addPoolOptions(*command, options->broker, false);
+    command->add_option("--pool-nodes", options->poolNodes, "Render nodes of the pool to wait for")
+        ->check(CLI::Range(0, 4096))
+        ->type_name("N");
     addJsonOption(*command, *options);
     command->footer(
         "Examples:\n"

@@ -2,6 +2,7 @@
 // `heliograph render`: a picture of a scene into a file, or one for each frame of a camera path.
 
 #include "server/app/scene_options.h"
+#include "server/pool/broker.h"
 
 #include <functional>
 #include <iosfwd>
@@ -18,6 +19,8 @@ struct RenderOptions : SceneOptions {
     bool resume = false;             // frames whose file is there are left alone
     std::string previousCamera;      // where the camera was a frame ago, for motion blur; empty: it rests
     std::optional<int64_t> samples;  // per pixel; without it the setting's if it was named, else 16
+    BrokerOptions broker;            // of a pool that renders along; empty: none
+    uint32_t poolNodes = 1;          // to wait for
 };
 
 /// Renders and prints the result. Returns the exit code; throws InputError before any work if an argument is bad.

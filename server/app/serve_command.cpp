@@ -2,6 +2,7 @@
 
 #include "server/app/devices.h"
 #include "server/app/offered_scenes.h"
+#include "server/app/pool_devices.h"
 #include "server/app/scene_options.h"
 #include "server/service/service.h"
 #include "server/base/error.h"
@@ -42,6 +43,11 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     service.openScene = [scenes](const std::string& name, const Progress& progress) { return scenes->open(name, progress); };
     service.opensToo = [scenes](const std::string& name) { return scenes->opensToo(name); };
     service.devices = deviceOffer(options.devices);
+    if (!options.pool.empty()) {
+        const BrokerOptions broker{options.pool,    options.poolSecret,  options.poolCa, options.poolCertificate,
+                                   options.poolKey, options.poolInsecure};
+        service.devices = withPool(std::move(service.devices), joinPool(broker));
+    }
     std::string device = Settings::choiceWord("device", service.defaults.device);
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())
         throw InputError("--set device", device + " is not offered", "what is here and in --devices (see heliograph devices)");

@@ -86,6 +86,14 @@ const OptionRow OPTION_ROWS[] = {
      "A part of the server that has not moved for so long is named in the log and by /readyz, and the\nservice manager is not "
      "told any more that all is well",
      true, 2, 3600},
+    {"pool", &O::pool, "URL",
+     "NATS broker whose render nodes (heliograph node) work along, as nats://HOST:4222 or tls://HOST:4222; several\nof a "
+     "cluster with commas between"},
+    {"pool-secret", &O::poolSecret, "FILE", "File whose first line is USER:PASSWORD or the token for the broker"},
+    {"pool-ca", &O::poolCa, "FILE", "Certificate of who signed the broker's (PEM); else those of the system"},
+    {"pool-cert", &O::poolCertificate, "FILE", "Certificate of this machine for the broker (PEM)"},
+    {"pool-key", &O::poolKey, "FILE", "Its key (PEM)"},
+    {"pool-insecure", &O::poolInsecure, "", "Use a broker on another machine that lets everybody in"},
     {"log-level", &O::logLevel, "LEVEL", "trace, debug, info, warn, error or off", true, 0, 0, checkLogLevel},
     {"log-json", &O::logJson, "", "Log as JSON, one object a line", true},
 };

@@ -38,6 +38,9 @@ struct ServeOptions {
     uint64_t filmMemoryMib = 0;                                      // 0: half of what the machine has
     uint64_t watchdogSeconds = 20;
     uint64_t keepViewSeconds = KEPT_VIEW.count();
+    std::string pool;  // address of a broker, or empty: there is none
+    std::string poolSecret, poolCa, poolCertificate, poolKey;
+    bool poolInsecure = false;
     std::string logLevel = "info";
     bool logJson = false;
 };
