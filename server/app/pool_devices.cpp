@@ -65,6 +65,22 @@ std::shared_ptr<PoolHead> joinPool(const BrokerOptions& broker) {
     return std::make_shared<PoolHead>(makeNatsTransport(broker, "heliograph head"), buildDigest());
 }
 
+nlohmann::ordered_json poolJson(const PoolHead& pool) {
+    nlohmann::ordered_json nodes = nlohmann::ordered_json::array();
+    for (const PoolNode& node : pool.report()) {
+        const bool isMeasured = node.seconds > 0.0;
+        nodes.push_back({{"device", node.refused.empty() ? numberedDevice(device_name::node, node.number) : ""},
+                         {"name", node.name},
+                         {"hardware", node.hardware},
+                         {"state", node.state},
+                         {"refused", node.refused},
+                         {"roundTripMs", 1e3 * node.roundTrip},
+                         {"mraysPerSecond", isMeasured ? 1e-6 * static_cast<double>(node.rays) / node.seconds : 0.0},
+                         {"tiles", node.tiles}});
+    }
+    return {{"broker", pool.peer()}, {"connected", pool.connected()}, {"nodes", nodes}};
+}
+
 DeviceOffer withPool(DeviceOffer offer, std::shared_ptr<PoolHead> pool) {
     const auto local = offer.nameOf;
     offer.own = local(Settings());

@@ -46,7 +46,9 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
     if (!options.pool.empty()) {
         const BrokerOptions broker{options.pool,    options.poolSecret,  options.poolCa, options.poolCertificate,
                                    options.poolKey, options.poolInsecure};
-        service.devices = withPool(std::move(service.devices), joinPool(broker));
+        const std::shared_ptr<PoolHead> pool = joinPool(broker);
+        service.devices = withPool(std::move(service.devices), pool);
+        service.poolReport = [pool] { return poolJson(*pool); };
     }
     std::string device = Settings::choiceWord("device", service.defaults.device);
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())

@@ -15,9 +15,8 @@ std::vector<uint32_t> PartsFetch::ask(double now) {
         Part& part = parts_[i];
         if (part.here) continue;
         asked++;
-        if (part.asked && now - part.askedAt < PATIENCE) continue;
+        if (part.tries > 0 && now - part.askedAt < PATIENCE) continue;
         if (part.tries >= MOST_TRIES) continue;
-        part.asked = true;
         part.askedAt = now;
         part.tries++;
         wanted.push_back(static_cast<uint32_t>(i));
@@ -28,20 +27,17 @@ std::vector<uint32_t> PartsFetch::ask(double now) {
 bool PartsFetch::take(uint32_t index, std::span<const uint8_t> bytes) {
     if (index >= parts_.size() || parts_[index].here) return true;  // nobody asked, or it came before
     const size_t begin = index * PART_BYTES;
-    Part& part = parts_[index];
-    if (bytes.size() != std::min(PART_BYTES, bytes_.size() - begin) || digestOf(bytes) != list_.parts[index]) {
-        part.asked = false;
-        return false;
-    }
+    // Who sends a wrong part does not keep the right one from being waited for.
+    if (bytes.size() != std::min(PART_BYTES, bytes_.size() - begin) || digestOf(bytes) != list_.parts[index]) return false;
     std::ranges::copy(bytes, bytes_.begin() + static_cast<ptrdiff_t>(begin));
-    part.here = true;
+    parts_[index].here = true;
     lacking_--;
     return true;
 }
 
 bool PartsFetch::hopeless(double now) const {
     return std::ranges::any_of(parts_, [&](const Part& part) {
-        return !part.here && part.tries >= MOST_TRIES && (!part.asked || now - part.askedAt >= PATIENCE);
+        return !part.here && part.tries >= MOST_TRIES && now - part.askedAt >= PATIENCE;
     });
 }
 

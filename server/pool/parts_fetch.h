@@ -21,7 +21,7 @@ public:
 
     /// Numbers of parts to ask for now.
     std::vector<uint32_t> ask(double now);
-    /// A part has come. False where its bytes are not those of the list; it will be asked for again.
+    /// A part has come. False where its bytes are not those of the list; the right ones may still come.
     bool take(uint32_t index, std::span<const uint8_t> bytes);
     bool done() const { return lacking_ == 0; }
     /// A part was asked for in vain so often that there is no hope.
@@ -33,7 +33,6 @@ public:
 private:
     struct Part {
         bool here = false;
-        bool asked = false;
         uint32_t tries = 0;
         double askedAt = 0.0;
     };

@@ -21,6 +21,7 @@ struct ServiceOptions {
     SceneCache::Opener openScene;
     std::function<bool(const std::string&)> opensToo;  // names beside `scenes`, of which nobody is told; may be empty
     DeviceOffer devices;                               // viewers choose between them
+    std::function<nlohmann::ordered_json()> poolReport;  // what viewers are told of render nodes; empty: there is no pool
     Settings defaults;                                 // of every viewer
     uint64_t pictureBytes = 2ull << 30;                // memory for the pictures of all viewers (film_shares.h)
     SettingCaps caps;                                  // of every viewer
@@ -75,6 +76,7 @@ private:
     Views& views() override { return views_; }
     Turns& turns() override { return scheduler_.turns(); }
     Metrics& metrics() override { return metrics_; }
+    nlohmann::ordered_json poolReport() const override { return options_.poolReport ? options_.poolReport() : nullptr; }
     // SocketHandler
     std::shared_ptr<ViewerPeer> opened(std::shared_ptr<ViewerSocket> socket, bool authorized) override;
     void closed(std::shared_ptr<ViewerPeer> peer, std::optional<CloseCode> code) override;

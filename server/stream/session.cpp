@@ -206,6 +206,7 @@ void Session::tick(Clock::time_point now) {
     if (!stats) return;
     stats->viewers = host_.viewerCount();
     stats->residentBytes = residentBytes();
+    stats->pool = host_.poolReport();
     std::lock_guard lock(mutex_);
     statsAt_ = now;
     watchersTold_ = stats->watchers;

@@ -47,6 +47,8 @@ public:
     virtual Views& views() = 0;
     virtual Turns& turns() = 0;
     virtual Metrics& metrics() = 0;
+    /// What `stats` says of render nodes; null where there is no pool.
+    virtual nlohmann::ordered_json poolReport() const { return nullptr; }
 };
 
 }  // namespace heliograph

@@ -215,6 +215,7 @@ std::string statsMessage(const ViewerStats& s) {
                     {"nonfiniteSamples", s.nonfiniteSamples},
                     {"pace", paceJson(s.line, s.scale)},
                     {"autopilot", autopilotJson(s.autopilot)}};
+    if (!s.pool.is_null()) message["pool"] = s.pool;
     if (!s.schedule.devices.empty()) {
         message["parts"] = partsJson(s.schedule);
         message["scheduler"] = {{"endLossMs", 1e3 * finite(s.schedule.endLoss())},

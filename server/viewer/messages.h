@@ -57,6 +57,7 @@ struct ViewerStats {
     LineFigures line;
     ScaleFigures scale;
     AutopilotFigures autopilot;
+    nlohmann::ordered_json pool;  // what the server says of its render nodes; null: it has none
 };
 
 /// `devices`: the words of the setting `device` that the schema shall offer.

@@ -56,10 +56,12 @@ TEST_P(PooledPicture, HasTheBitsOfALocalOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, PooledPicture,
-                         ::testing::Values("glass", "cornell", "effects/many-lights", "effects/nested-glass", "effects/image-light"),
+                         ::testing::Values("glass", "cornell", "effects/many-lights", "effects/nested-glass",
+                                           "effects/image-light"),
                          [](const auto& info) {
                              std::string name = info.param;
-                             std::ranges::replace_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+                             std::ranges::replace_if(
+                                 name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
                              return name;
                          });
 

@@ -8,6 +8,7 @@ import { cameraOf, vectorOf } from './camera_fields.js';
 import { effectCostsOf, type EffectCostsMessage } from './effect_costs_message.js';
 import { errorMapOf, type ErrorMap } from './errors_message.js';
 import { partitionOf, type Partition } from './partition_message.js';
+import { poolOf, type PoolStats } from './pool_stats.js';
 import { pickedOf, type PickedMessage } from './picked_message.js';
 import { watchingOf, type WatchingMessage } from './watching_message.js';
 
@@ -164,6 +165,7 @@ export interface Stats {
   readonly tiles: Numbers;
   readonly parts: readonly DevicePart[];
   readonly scheduler: SchedulerStats | null;
+  readonly pool: PoolStats | null; // there is none
   readonly pace: Pace | null; // a server that does not say: null
   readonly viewers: number;
   readonly watchers: number; // of the view, beside who drives it
@@ -406,6 +408,7 @@ function statsOf(fields: Fields): Stats {
     tiles: numbersOf(fields['tiles']),
     parts: listOf(fields['parts']).map(devicePartOf),
     scheduler: schedulerOf(fields['scheduler']),
+    pool: poolOf(fields['pool']),
     pace: paceOf(fields['pace']),
     viewers: numberOf(fields['viewers']),
     watchers: numberOf(fields['watchers']),

@@ -20,8 +20,9 @@ TEST(Broker, AddressesAreReadAndWritten) {
 }
 
 TEST(Broker, WhatIsNoAddressIsRefused) {
-    for (const char* text : {"", "a.example:4222", "http://a:1", "nats://", "nats://:4222", "nats://a:0", "nats://a:70000",
-                             "nats://a:12x", "nats://[::1:5", "nats://[::1]5", "nats://user:secret@a:4222", "nats://a,,nats://b"})
+    for (const char* text :
+         {"", "a.example:4222", "http://a:1", "nats://", "nats://:4222", "nats://a:0", "nats://a:70000", "nats://a:12x",
+          "nats://[::1:5", "nats://[::1]5", "nats://user:secret@a:4222", "nats://a,,nats://b"})
         EXPECT_THROW(parseBrokers(text), InputError) << text;
 }
 

@@ -88,9 +88,10 @@ TEST(PartsFetch, ADamagedPartIsAskedForAgainAndALateOneToo) {
     damaged[1000] ^= 1;
     EXPECT_FALSE(fetch.take(1, damaged));
     EXPECT_FALSE(fetch.take(1, scene.part(1).first(50)));
-    EXPECT_EQ(fetch.ask(0.1), (std::vector<uint32_t>{1}));
+    EXPECT_TRUE(fetch.ask(0.1).empty()) << "the right one may be on its way";
+    EXPECT_TRUE(fetch.take(0, scene.part(0)));
+    EXPECT_EQ(fetch.ask(PartsFetch::PATIENCE), (std::vector<uint32_t>{1, 2}));
     EXPECT_TRUE(fetch.take(1, scene.part(1)));
-    EXPECT_EQ(fetch.ask(PartsFetch::PATIENCE), (std::vector<uint32_t>{0, 2}));
     EXPECT_FALSE(fetch.hopeless(PartsFetch::PATIENCE));
 }
 

@@ -5,6 +5,7 @@ import { BarList } from './bar_list.js';
 import { FrameChart } from './chart.js';
 import { FrameTimeline } from './frame_timeline.js';
 import { deviceColor, kindOf } from '../device_colors.js';
+import { poolRows, poolTitle } from './pool_rows.js';
 import { deviceRows, schedulerFacts } from './device_rows.js';
 import { el, setText } from '../../page/dom.js';
 import { bytes, compact, count, milliseconds, percent, UNKNOWN, whole } from '../../page/format.js';
@@ -92,6 +93,9 @@ export class StatsPanel {
   private readonly timeline_ = new FrameTimeline();
   private readonly rayList_ = new BarList();
   private readonly devices_ = new BarList();
+  private readonly pool_ = new BarList();
+  private readonly poolTitle_ = el('h3', {});
+  private readonly poolSection_ = el('section', { class: 'stats-section pool', hidden: true }, this.poolTitle_, this.pool_.element);
   private readonly facts_ = el('dl', { class: 'facts' });
   private readonly factValues_ = new Map<string, HTMLElement>();
 
@@ -119,6 +123,7 @@ export class StatsPanel {
       section('Where the time went, frame by frame', this.timeline_.element),
       section('Rays of the last pass', this.rayList_.element),
       section('Tiles by device', this.devices_.element),
+      this.poolSection_,
       this.facts_,
     );
     window.setInterval(() => this.refresh(), REFRESH_MS);
@@ -138,6 +143,7 @@ export class StatsPanel {
     this.timeline_.draw(this.viewer_.stream.trace.frames);
     this.refreshRays(this.viewer_.state.stats?.rays ?? {});
     this.refreshDevices();
+    this.refreshPool();
     this.refreshFacts();
   }
 
@@ -242,6 +248,20 @@ export class StatsPanel {
     }
   }
 
+  /** The render nodes of the server's pool. */
+  private refreshPool(): void {
+    const pool = this.viewer_.state.stats?.pool ?? null;
+    this.poolSection_.hidden = pool === null;
+    if (pool === null) return;
+    setText(this.poolTitle_, poolTitle(pool));
+    const rows = poolRows(pool, this.viewer_.state.stats?.parts ?? []);
+    this.pool_.keep(rows.map(({ key }) => key));
+    for (const { key, label, device, share, text, note } of rows) {
+      const color = device === '' ? '' : deviceColor(device);
+      this.pool_.row(key, { label, share, text, color, keyed: device !== '', note });
+    }
+  }
+
   private refreshFacts(): void {
     const { stats, lastFrame } = this.viewer_.state;
     const rate = this.viewer_.stream.receivedRate.amount(performance.now());
@@ -256,7 +276,7 @@ export class StatsPanel {
     const lost = (stats?.rays['media_underflows'] ?? 0) + (stats?.rays['media_overflows'] ?? 0);
     const inBodies = this.fact('Lost in bodies', stats === null ? UNKNOWN : whole(lost));
     inBodies.classList.toggle('bad', lost > 0);
-    const scheduler = this.viewer_.settings.confirmed('device') === 'hybrid' ? (stats?.scheduler ?? null) : null;
+    const scheduler = this.viewer_.settings.confirmed('device') === 'hybrid' || (stats?.pool ?? null) !== null ? (stats?.scheduler ?? null) : null;
     for (const [label, text] of schedulerFacts(scheduler)) {
       if (text === null) this.dropFact(label);
       else this.fact(label, text);
