@@ -31,7 +31,6 @@ test('the scene nearest to the top is opened, with what may belong to it', () =>
 
 test('what cannot be taken is said before anything is sent', () => {
   assert.match(refused(files('a.glb'), null), /--uploads/);
-  assert.match(refused(files('a.zip')), /unpack the zip/);
   assert.match(refused(files('a.txt', '.a.glb')), /None of these is a scene/);
   assert.match(refused(files('a.glb', 'b.png', 'c.png', 'd.png')), /4 files; this server takes at most 3/);
   assert.match(refused([{ path: 'a.glb', bytes: 2 ** 20 + 1 }]), /2 MiB; this server takes at most 1 MiB/);

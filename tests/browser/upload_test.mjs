@@ -5,6 +5,7 @@ import { mkdtempSync, readdirSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
+import { deflateRawSync } from 'node:zlib';
 import { Browser, Checks, expect, freePort, outFolder, Server, until } from './page.mjs';
 
 const DESKTOP = { width: 1100, height: 700 };
@@ -15,6 +16,45 @@ const MODEL = {
 
 /** A picture of 2 x 1 pixels in the format of Radiance. */
 const SKY = '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x80\x40\x40\x80\x80';
+
+/** A zip archive of these, deflated, as a string of bytes. `says`: the bytes of a file that its row tells, if not the truth. */
+function zipped(files, says) {
+  const parts = [];
+  const rows = [];
+  for (const [path, text] of Object.entries(files)) {
+    const content = Buffer.from(text, 'latin1');
+    const packed = deflateRawSync(content);
+    const row = Buffer.alloc(46);
+    row.writeUInt32LE(0x02014b50, 0);
+    row.writeUInt16LE(8, 10);
+    row.writeUInt32LE(crc32(content), 16);
+    row.writeUInt32LE(packed.length, 20);
+    row.writeUInt32LE(says ?? content.length, 24);
+    row.writeUInt16LE(path.length, 28);
+    row.writeUInt32LE(Buffer.concat(parts).length, 42);
+    const head = Buffer.alloc(30);
+    head.writeUInt32LE(0x04034b50, 0);
+    head.writeUInt16LE(path.length, 26);
+    parts.push(head, Buffer.from(path), packed);
+    rows.push(row, Buffer.from(path));
+  }
+  const end = Buffer.alloc(22);
+  end.writeUInt32LE(0x06054b50, 0);
+  end.writeUInt16LE(rows.length / 2, 10);
+  end.writeUInt32LE(Buffer.concat(rows).length, 12);
+  end.writeUInt32LE(Buffer.concat(parts).length, 16);
+  return Buffer.concat([...parts, ...rows, end]).toString('latin1');
+}
+
+/** Bit by bit, apart from the page's own. */
+function crc32(bytes) {
+  let crc = 0xffffffff;
+  for (const byte of bytes) {
+    crc ^= byte;
+    for (let bit = 0; bit < 8; bit++) crc = crc & 1 ? (crc >>> 1) ^ 0xedb88320 : crc >>> 1;
+  }
+  return ~crc >>> 0;
+}
 
 const state = (page) => page.evaluate(() => window.heliograph.state);
 
@@ -70,6 +110,16 @@ async function brings(checks, page, folder, address) {
   });
 }
 
+async function unpacks(checks, page, folder) {
+  await checks.check('the files of a dropped zip are uploaded and shown', async () => {
+    const before = readdirSync(folder).length;
+    await drop(page, { 'model.zip': zipped(MODEL) });
+    await ready(page, /^upload\/[0-9a-f]{32}\/red\.obj$/);
+    expect((await page.locator('.toast.error').count()) === 0, await page.locator('.toasts').innerText());
+    expect(readdirSync(folder).length === before + 1, readdirSync(folder).join());
+  });
+}
+
 async function refuses(checks, page, folder) {
   const told = async (words) => {
     await page.locator('.toast.error', { hasText: words }).waitFor({ timeout: 20_000 });
@@ -80,7 +130,10 @@ async function refuses(checks, page, folder) {
     await drop(page, { 'notes.txt': 'hello' });
     await told('None of these is a scene');
     await drop(page, { 'model.zip': 'PK' });
-    await told('unpack the zip');
+    await told('This archive cannot be read: it is no zip archive');
+    const bomb = zipped({ 'bomb.obj': 'v 0 0 0\n'.repeat(4096) }, 10); // more than it says
+    await drop(page, { 'bomb.zip': bomb });
+    await told('bomb.obj is damaged');
     await drop(page, { 'broken.glb': 'glTF, it says, and is none' });
     await told('could not be opened');
     await until('nothing of it', 5000, () => readdirSync(folder).sort().join() === before);
@@ -118,6 +171,7 @@ export async function uploadChecks(checks) {
     await page.goto(address);
     await ready(page, /^cornell$/);
     await brings(checks, page, folder, address);
+    await unpacks(checks, page, folder);
     await refuses(checks, page, folder);
     await checks.check('nothing was wrong in the browser\u2019s console (uploads)', async () => {
       expect(browser.problems.length === 0, browser.problems.join('\n'));

@@ -31,8 +31,6 @@ export function chooseUpload<File extends NamedFile>(
 ): UploadChoice<File> {
   const refused = (why: string): UploadChoice<File> => ({ name: 'refused', why });
   if (limits === null) return refused('This server takes no files: its operator has not opened a folder for them (--uploads).');
-  if (all.some(({ path }) => /\.zip$/i.test(path)))
-    return refused('Archives are not read: unpack the zip, and drop the folder.');
   const seen = all.filter(({ path }) => !path.split('/').some((part) => part.startsWith('.')));
   const rank = (file: File): number => depthOf(file.path) * 2 + (/\.obj$/i.test(file.path) ? 1 : 0);
   const scenes = seen.filter(({ path }) => SCENES.test(path)).sort((a, b) => rank(a) - rank(b));

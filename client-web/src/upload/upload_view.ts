@@ -5,8 +5,9 @@ import { percent } from '../page/format.js';
 import { keptToken } from '../wire/token.js';
 import { isObject } from '../wire/fields.js';
 import type { Viewer } from '../viewer.js';
-import { chosenFiles, droppedFiles, type BroughtFile } from './dropped_files.js';
+import { chosenFiles, droppedFiles, withArchivesOpened } from './dropped_files.js';
 import { chooseUpload, sceneToOpen, uploadHead, type UploadLimits } from './upload_files.js';
+import { ZipError } from './zip.js';
 import './upload_view.css';
 
 const ADDRESS = 'uploads';
@@ -16,7 +17,7 @@ export class UploadView {
   private readonly text_ = el('span', { class: 'upload-text' });
   private readonly progress_ = el('progress', { max: 1, value: 0, 'aria-label': 'Upload' });
   private readonly field_ = el('input', { type: 'file', multiple: true, hidden: true, 'aria-label': 'Own files' });
-  private readonly drop_ = el('div', { class: 'drop-frame', hidden: true }, 'Drop a glTF, GLB or OBJ, its folder, or an HDR');
+  private readonly drop_ = el('div', { class: 'drop-frame', hidden: true }, 'Drop a glTF, GLB or OBJ, its folder or zip, or an HDR');
   private readonly card_: HTMLElement;
   private request_: XMLHttpRequest | null = null;
 
@@ -57,16 +58,29 @@ export class UploadView {
     await this.bring(await droppedFiles(event.dataTransfer));
   }
 
-  private async bring(all: readonly BroughtFile[]): Promise<void> {
+  private async bring(brought: ReturnType<typeof chosenFiles>): Promise<void> {
     const say = (text: string): void => this.viewer_.onMessage({ kind: 'error', text });
-    if (this.viewer_.seat.drivenByOthers() || all.length === 0) return;
+    if (this.viewer_.seat.drivenByOthers() || brought.length === 0) return;
+    try {
+      await this.upload(brought, say);
+    } catch (error) {
+      const what = error instanceof ZipError ? 'This archive cannot be read' : 'These files cannot be read';
+      say(`${what}: ${error instanceof Error ? error.message : String(error)}.`);
+    }
+  }
+
+  private async upload(brought: ReturnType<typeof chosenFiles>, say: (text: string) => void): Promise<void> {
+    const all = await withArchivesOpened(brought);
     if (this.request_ !== null) return say('An upload is under way. Wait for it, or stop it.');
     const choice = chooseUpload(all, await this.limits());
     if (choice.name === 'refused') return say(choice.why);
     if (choice.leftOut > 0)
       this.viewer_.onMessage({ kind: 'notice', text: `${choice.leftOut} of ${all.length} files belong to no scene and stay here.` });
     const { files, scene } = choice;
-    const body = new Blob([uploadHead(scene.path, files) as BlobPart, ...files.map(({ file }) => file)]);
+    const parts: BlobPart[] = [uploadHead(scene.path, files) as BlobPart];
+    for (const file of files) parts.push(await file.open()); // one after another: the archive's packed bytes are on disk
+    if (this.request_ !== null) return say('An upload is under way. Wait for it, or stop it.');
+    const body = new Blob(parts);
     this.send(body, scene.path);
   }
 
