@@ -29,6 +29,7 @@ PoolHead::PoolHead(std::shared_ptr<Transport> transport, const Digest& build)
     beats_ = transport_->subscribe(NODE_BEATS, [this](auto bytes) { guarded(bytes, &PoolHead::heardBeat); });
     inbox_ = transport_->subscribe(headSubject(id_), [this](auto bytes) { guarded(bytes, &PoolHead::heardNode); });
     asks_ = transport_->subscribe(sceneSubject(id_), [this](auto bytes) { guarded(bytes, &PoolHead::heardAsk); });
+    nobody_ = transport_->whenNobody([this](uint32_t number) { drop(number, "has gone: it listens no more"); });
     beater_ = std::jthread([this](std::stop_token stop) { beat(stop); });
 }
 
@@ -38,6 +39,7 @@ PoolHead::~PoolHead() {
     beats_.reset();
     inbox_.reset();
     asks_.reset();
+    nobody_.reset();
 }
 
 /// What strangers send ends nothing.
@@ -126,12 +128,26 @@ void PoolHead::beat(std::stop_token stop) {
             silent = members_.dropSilent(now);
             if (!transport_->connected()) unreachable = members_.dropAll();
         }
+        callOn();
         lose(silent, "has not been heard for 750 ms");
         for (uint32_t number : forgetful(now)) drop(number, "has nothing to do and owes a batch");
         lose(unreachable, "cannot be reached: no line to " + transport_->peer());
         std::unique_lock lock(mutex);
         never.wait_for(lock, stop, LOOK_AROUND, [] { return false; });
     }
+}
+
+/// Says something to each node that has a batch, so that the transport tells at once when nobody listens there any more.
+void PoolHead::callOn() const {
+    std::map<uint32_t, PeerId> busy;
+    {
+        std::lock_guard lock(mutex_);
+        for (const auto& [id, pending] : pending_) {
+            if (const Member* member = members_.renders(pending->number)) busy[pending->number] = member->beat.id;
+        }
+    }
+    const std::vector<uint8_t> nothing = bytesOf(Cancel{id_, 0});  // no batch has this number
+    for (const auto& [number, id] : busy) transport_->publishFor(number, nodeSubject(id), nothing);
 }
 
 /// Nodes that say they have nothing to do while a batch is out with them: what it was told, or what it said, is lost.

@@ -99,6 +99,7 @@ private:
     void heardAsk(std::span<const uint8_t> bytes);
     void guarded(std::span<const uint8_t> bytes, void (PoolHead::*handler)(std::span<const uint8_t>));
     void beat(std::stop_token stop);
+    void callOn() const;
     std::vector<uint32_t> forgetful(double now) const;
     void drop(uint32_t number, const std::string& why);
     void lose(const std::vector<Member>& gone, const std::string& why);
@@ -122,7 +123,7 @@ private:
     std::atomic<uint64_t> lastBatch_{0};
     std::mutex offering_;  // held while a scene is read
     std::map<const Scene*, std::weak_ptr<const SceneParts>> known_;
-    std::shared_ptr<void> beats_, inbox_, asks_;  // subscriptions
+    std::shared_ptr<void> beats_, inbox_, asks_, nobody_;  // subscriptions
     std::jthread beater_;
 };
 

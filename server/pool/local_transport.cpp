@@ -94,11 +94,29 @@ public:
     std::shared_ptr<void> subscribe(const std::string& subject, Handler handler) override {
         return std::make_shared<Subscription>(hub_, subject, std::move(handler));
     }
+    bool publishFor(uint32_t number, const std::string& subject, std::span<const uint8_t> bytes) override {
+        if (hub_->isCut) return true;
+        {
+            std::lock_guard lock(hub_->mutex);
+            if (hub_->lines.contains(subject)) number = 0;
+        }
+        if (number == 0) return publish(subject, bytes);
+        const std::shared_ptr<Nobody> handler = nobody_.lock();
+        if (handler) (*handler)(number);
+        return true;
+    }
+    std::shared_ptr<void> whenNobody(std::function<void(uint32_t number)> handler) override {
+        auto kept = std::make_shared<Nobody>(std::move(handler));
+        nobody_ = kept;
+        return kept;
+    }
     bool connected() const override { return !hub_->isCut; }
     std::string peer() const override { return "this process"; }
 
 private:
+    using Nobody = std::function<void(uint32_t number)>;
     const std::shared_ptr<LocalHub::Shared> hub_;
+    std::weak_ptr<Nobody> nobody_;
 };
 
 }  // namespace

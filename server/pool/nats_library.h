@@ -35,11 +35,14 @@ namespace heliograph {
     FUNCTION(natsConnection_Destroy)                \
     FUNCTION(natsConnection_Status)                 \
     FUNCTION(natsConnection_Publish)                \
+    FUNCTION(natsConnection_PublishRequest)         \
     FUNCTION(natsConnection_Subscribe)              \
     FUNCTION(natsSubscription_SetPendingLimits)     \
     FUNCTION(natsSubscription_SetOnCompleteCB)      \
     FUNCTION(natsSubscription_Unsubscribe)          \
     FUNCTION(natsSubscription_Destroy)              \
+    FUNCTION(natsMsg_IsNoResponders)                \
+    FUNCTION(natsMsg_GetSubject)                    \
     FUNCTION(natsMsg_GetData)                       \
     FUNCTION(natsMsg_GetDataLength)                 \
     FUNCTION(natsMsg_Destroy)                       \

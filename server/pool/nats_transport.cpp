@@ -4,8 +4,10 @@
 #include "server/base/log.h"
 #include "server/base/text.h"
 #include "server/pool/nats_library.h"
+#include "server/pool/wire/subjects.h"
 
 #include <atomic>
+#include <charconv>
 #include <future>
 #include <stdexcept>
 
@@ -61,6 +63,13 @@ public:
                NATS_OK;
     }
     std::shared_ptr<void> subscribe(const std::string& subject, Handler handler) override;
+    bool publishFor(uint32_t number, const std::string& subject, std::span<const uint8_t> bytes) override {
+        if (bytes.size() > MOST_MESSAGE_BYTES || !connected()) return false;
+        const std::string reply = inbox_ + std::to_string(number);
+        return nats_.natsConnection_PublishRequest(connection_, subject.c_str(), reply.c_str(), bytes.data(),
+                                                   static_cast<int>(bytes.size())) == NATS_OK;
+    }
+    std::shared_ptr<void> whenNobody(std::function<void(uint32_t number)> handler) override;
     bool connected() const override { return nats_.natsConnection_Status(connection_) == NATS_CONN_STATUS_CONNECTED; }
     std::string peer() const override { return peer_; }
 
@@ -92,6 +101,7 @@ private:
     }
 
     const NatsLibrary& nats_;
+    const std::string inbox_ = "_INBOX.heliograph" + peerText(newPeerId()) + ".";  // where a broker says that nobody listens
     std::string peer_;
     natsOptions* options_ = nullptr;
     natsConnection* connection_ = nullptr;
@@ -140,7 +150,10 @@ void NatsTransport::configure(const BrokerOptions& options, const std::vector<Br
 /// Ends when its last call has.
 class NatsSubscription {
 public:
-    NatsSubscription(NatsTransport& transport, const std::string& subject, Transport::Handler handler)
+    /// Of a message; its subject, and whether it says that nobody listens.
+    using Handler = std::function<void(std::span<const uint8_t> bytes, std::string_view subject, bool isNobody)>;
+
+    NatsSubscription(NatsTransport& transport, const std::string& subject, Handler handler)
         : nats_(transport.nats_), state_(std::make_shared<State>(transport.nats_, std::move(handler))) {
         transport.check(
             nats_.natsConnection_Subscribe(&subscription_, transport.connection_, subject.c_str(), onMessage, state_.get()),
@@ -158,16 +171,17 @@ public:
 
 private:
     struct State {
-        State(const NatsLibrary& library, Transport::Handler handler) : nats(library), handle(std::move(handler)) {}
+        State(const NatsLibrary& library, Handler handler) : nats(library), handle(std::move(handler)) {}
         const NatsLibrary& nats;
-        const Transport::Handler handle;
+        const Handler handle;
         std::promise<void> complete;
     };
 
     static void onMessage(natsConnection*, natsSubscription*, natsMsg* message, void* state) {
         const auto* self = static_cast<const State*>(state);
         self->handle({reinterpret_cast<const uint8_t*>(self->nats.natsMsg_GetData(message)),
-                      static_cast<size_t>(self->nats.natsMsg_GetDataLength(message))});
+                      static_cast<size_t>(self->nats.natsMsg_GetDataLength(message))},
+                     self->nats.natsMsg_GetSubject(message), self->nats.natsMsg_IsNoResponders(message));
         self->nats.natsMsg_Destroy(message);
     }
     static void onComplete(void* state) { static_cast<State*>(state)->complete.set_value(); }
@@ -178,7 +192,20 @@ private:
 };
 
 std::shared_ptr<void> NatsTransport::subscribe(const std::string& subject, Handler handler) {
-    return std::make_shared<NatsSubscription>(*this, subject, std::move(handler));
+    return std::make_shared<NatsSubscription>(*this, subject, [handler = std::move(handler)](auto bytes, auto, bool isNobody) {
+        if (!isNobody) handler(bytes);
+    });
+}
+
+std::shared_ptr<void> NatsTransport::whenNobody(std::function<void(uint32_t number)> handler) {
+    return std::make_shared<NatsSubscription>(
+        *this, inbox_ + "*",
+        [handler = std::move(handler), prefix = inbox_.size()](auto, std::string_view subject, bool isNobody) {
+            uint32_t number = 0;
+            if (isNobody && subject.size() > prefix)
+                std::from_chars(subject.data() + prefix, subject.data() + subject.size(), number);
+            if (number > 0) handler(number);
+        });
 }
 
 }  // namespace

@@ -36,9 +36,8 @@ bool PartsFetch::take(uint32_t index, std::span<const uint8_t> bytes) {
 }
 
 bool PartsFetch::hopeless(double now) const {
-    return std::ranges::any_of(parts_, [&](const Part& part) {
-        return !part.here && part.tries >= MOST_TRIES && now - part.askedAt >= PATIENCE;
-    });
+    return std::ranges::any_of(
+        parts_, [&](const Part& part) { return !part.here && part.tries >= MOST_TRIES && now - part.askedAt >= PATIENCE; });
 }
 
 float PartsFetch::share() const {

@@ -21,6 +21,10 @@ public:
     /// Messages of that subject go to the handler for as long as what is returned lives; its end waits for a call in
     /// progress. Survives a line that breaks. Throws std::runtime_error.
     virtual std::shared_ptr<void> subscribe(const std::string& subject, Handler handler) = 0;
+    /// As publish; and where nobody listens on the subject, `whenNobody` is called with the number, from any thread.
+    virtual bool publishFor(uint32_t number, const std::string& subject, std::span<const uint8_t> bytes) = 0;
+    /// To be set before the first publishFor; until the returned value ends, which waits for a call in progress.
+    virtual std::shared_ptr<void> whenNobody(std::function<void(uint32_t number)> handler) = 0;
     /// Whether there is a line now.
     virtual bool connected() const = 0;
     /// Where the line leads, for people; without secrets.

@@ -8,6 +8,7 @@ import { fakeChecks } from './fake_test.mjs';
 import { doorChecks } from './door_test.mjs';
 import { keyChecks } from './keys_test.mjs';
 import { linkChecks } from './link_test.mjs';
+import { poolChecks } from './pool_test.mjs';
 import { panelChecks } from './panels_test.mjs';
 import { pickChecks } from './pick_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
@@ -408,5 +409,6 @@ try {
   await linkChecks(checks);
   await viewsChecks(checks);
   await uploadChecks(checks);
+  await poolChecks(checks);
   checks.finish();
 }

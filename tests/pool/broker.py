@@ -13,6 +13,7 @@ import time
 
 MAGIC = 0x4C504C48
 VERSION = 1
+BATCH_END = 11  # server/pool/wire/messages.h
 
 
 def free_port():
@@ -103,6 +104,10 @@ class Stranger:
 
 def message(kind, data):
     return struct.pack("<IHH", MAGIC, VERSION, kind) + data
+
+
+def kind_of(data):
+    return struct.unpack_from("<H", data, 6)[0] if len(data) >= 8 else 0
 
 
 def peer_of(beat):

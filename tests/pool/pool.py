@@ -14,7 +14,7 @@ import tempfile
 import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from broker import Broker, Stranger, message, peer_of  # noqa: E402
+from broker import BATCH_END, Broker, Stranger, kind_of, message, peer_of  # noqa: E402
 
 PROGRAM = os.path.abspath(sys.argv[1])
 SCENE = sys.argv[2] if len(sys.argv) > 2 else "glass"
@@ -82,12 +82,17 @@ class Pool:
         with open(out, "rb") as made, open(self.local, "rb") as local:
             self.check(name, made.read() == local.read(), "the picture differs")
 
-    def disturbed(self, name, disturb, after=0.0, **options):
-        """A picture during which `disturb` happens `after` seconds from the first tile on."""
+    def disturbed(self, name, disturb, nodes):
+        """A picture during which `disturb` happens, once nodes have answered some batches of it."""
         out = self.path("disturbed.exr")
-        process = self.start(out, **options)
+        listener = Stranger(self.broker)
+        listener.subscribe("heliograph.pool.head.*", 1)
         before = time.monotonic()
-        time.sleep(self.build_seconds + after)
+        process = self.start(out, nodes=nodes)
+        ends = (data for _, data in listener.messages(LONGEST) if kind_of(data) == BATCH_END)
+        for _ in range(3):
+            next(ends, None)
+        listener.close()
         disturb()
         result, log = self.result(process)
         self.same(name, out, result)
@@ -99,7 +104,6 @@ def pictures(pool):
     pool.node("one")
     begin = time.monotonic()
     one = pool.render(out)
-    pool.build_seconds = (one["ms"]["load"] + one["ms"]["build"]) / 1e3 + 0.3
     pool.same("one node", out, one)
     first = time.monotonic() - begin
     pool.node("two")
@@ -115,11 +119,11 @@ def pictures(pool):
 
 
 def dying_nodes(pool):
-    result, seconds, _ = pool.disturbed("kill -9 of a node", lambda: pool.end_node("two", signal.SIGKILL), 0.2, nodes=2)
+    result, seconds, _ = pool.disturbed("kill -9 of a node", lambda: pool.end_node("two", signal.SIGKILL), 2)
     print(f"kill -9 of one of two: the picture took {seconds:.2f} s in all, tiles {result.get('tiles')}")
     pool.node("two")
     stopped = pool.nodes["two"]
-    result, seconds, _ = pool.disturbed("SIGSTOP of a node", lambda: stopped.send_signal(signal.SIGSTOP), 0.2, nodes=2)
+    result, seconds, _ = pool.disturbed("SIGSTOP of a node", lambda: stopped.send_signal(signal.SIGSTOP), 2)
     print(f"SIGSTOP of one of two: {seconds:.2f} s in all, tiles {result.get('tiles')}")
     stopped.send_signal(signal.SIGCONT)
     out = pool.path("pool.exr")
@@ -127,7 +131,7 @@ def dying_nodes(pool):
 
 
 def dying_broker(pool):
-    result, seconds, log = pool.disturbed("the broker dies", lambda: pool.broker.stop(signal.SIGKILL), 0.2, nodes=2)
+    result, seconds, log = pool.disturbed("the broker dies", lambda: pool.broker.stop(signal.SIGKILL), 2)
     pool.check("the head says that the line is lost", "is lost" in log, log[-300:])
     print(f"the broker dies: {seconds:.2f} s in all, tiles {result.get('tiles')}")
     pool.broker.start()

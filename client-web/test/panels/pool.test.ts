@@ -22,8 +22,8 @@ test('pool: each node with its share, rate and round trip; who is refused is tol
   assert.equal(poolTitle(stats.pool), 'Pool: 2 nodes');
   const rows = poolRows(stats.pool, stats.parts).map(({ label, text, note }) => `${label} | ${text} | ${note}`);
   assert.deepEqual(rows, [
-    'node:3 box | 25 % | 12.0 Mrays/s · 0.5 ms there and back · embree',
-    'node:4 bax | fetching the scene | vulkan:0',
+    'node:3 | 25 % | box · 12.0 Mrays/s · 0.5 ms there and back · embree',
+    'node:4 | fetching the scene | bax · vulkan:0',
     'old | refused | is of another build',
   ]);
 });

@@ -166,6 +166,30 @@ TEST_F(Pool, ANodeThatDiesInAFrameCostsNoPixel) {
     expectRight(film, 2);
 }
 
+TEST_F(Pool, ANodeThatListensNoMoreIsDroppedBeforeItsBeatsAreMissed) {
+    // A stranger that beats like a node and never listens.
+    const std::shared_ptr<Transport> line = hub.join();
+    NodeBeat beat;
+    beat.id = 99;
+    beat.build = {1};
+    line->publish(NODE_BEATS, bytesOf(beat));
+    ASSERT_TRUE(untilThere(1));
+    std::jthread beating([&](std::stop_token stop) {
+        while (!stop.stop_requested()) {
+            line->publish(NODE_BEATS, bytesOf(beat));
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    });
+    const FrameRequest request = frameRequest(*scene, Camera{}, {}, SIZE, 1);
+    const std::vector<Tile> tiles = {{{0, 0}, {32, 32}, 0, 1, 1}};
+    try {
+        head->render(1, {}, request, tiles, "node:1", [](TileResult&&) {}, {});
+        ADD_FAILURE() << "nobody rendered that";
+    } catch (const std::runtime_error& error) {
+        EXPECT_NE(std::string(error.what()).find("listens no more"), std::string::npos) << error.what();
+    }
+}
+
 TEST_F(Pool, ACutLineCostsNoFrameAndThePoolComesBack) {
     addNode({1}, std::chrono::microseconds(500));
     const auto pooled = renderer(POOLED);

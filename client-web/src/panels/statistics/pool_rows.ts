@@ -28,13 +28,14 @@ function poolRow(node: PoolNode, index: number, part: DevicePart | undefined): P
   const works = part?.part === 'works' || part?.part === 'probes';
   const share = works ? part.share : 0;
   const figures = [
+    node.device === '' ? '' : node.name,
     node.mraysPerSecond > 0 ? `${compact(node.mraysPerSecond)} Mrays/s` : '',
     node.roundTripMs > 0 ? `${compact(node.roundTripMs)} ms there and back` : '',
     node.hardware,
   ].filter((figure) => figure !== '');
   return {
     key: node.device === '' ? `refused ${index}` : node.device,
-    label: node.device === '' ? node.name : `${node.device} ${node.name}`,
+    label: node.device === '' ? node.name : node.device,
     device: node.device,
     share,
     text: works ? percent(share) : node.state,
