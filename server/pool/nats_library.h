@@ -18,6 +18,7 @@ namespace heliograph {
     FUNCTION(natsOptions_LoadCertificatesChain)     \
     FUNCTION(natsOptions_SetSendAsap)               \
     FUNCTION(natsOptions_SetTimeout)                \
+    FUNCTION(natsOptions_SetIOBufSize)              \
     FUNCTION(natsOptions_SetWriteDeadline)          \
     FUNCTION(natsOptions_SetPingInterval)           \
     FUNCTION(natsOptions_SetMaxPingsOut)            \

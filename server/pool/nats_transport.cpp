@@ -22,6 +22,8 @@ constexpr int64_t CONNECT_TIMEOUT = 2000, WRITE_DEADLINE = 500, PING_EVERY = 100
 constexpr int MOST_PINGS_OUT = 2;
 /// What is said while there is no line is stale when it is back.
 constexpr int RECONNECT_BYTES = 1024;
+/// Read at once: results come in messages of 128 KiB.
+constexpr int IO_BYTES = 256 * 1024;
 /// Of one subscription, while its handler is busy: results of some frames.
 constexpr int MOST_PENDING = 65536, MOST_PENDING_BYTES = 256 << 20;
 constexpr auto LEAVE_PATIENCE = 2s;
@@ -134,6 +136,7 @@ void NatsTransport::configure(const BrokerOptions& options, const std::vector<Br
              options.certificate);
     check(nats_.natsOptions_SetSendAsap(options_, true), "send at once");
     check(nats_.natsOptions_SetTimeout(options_, CONNECT_TIMEOUT), "timeout");
+    check(nats_.natsOptions_SetIOBufSize(options_, IO_BYTES), "buffer");
     check(nats_.natsOptions_SetWriteDeadline(options_, WRITE_DEADLINE), "write deadline");
     check(nats_.natsOptions_SetPingInterval(options_, PING_EVERY), "ping interval");
     check(nats_.natsOptions_SetMaxPingsOut(options_, MOST_PINGS_OUT), "pings");
