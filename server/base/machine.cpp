@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -97,6 +98,13 @@ uint32_t usableProcessors() {
 
 uint64_t residentBytes() { return kilobytesOf("VmRSS"); }
 uint64_t peakResidentBytes() { return kilobytesOf("VmHWM"); }
+
+bool areAddressesLeft(uint64_t bytes) {
+    void* place = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (place == MAP_FAILED) return false;
+    munmap(place, bytes);
+    return true;
+}
 
 namespace {
 

@@ -22,6 +22,11 @@ uint64_t residentBytes();
 /// The largest that residentBytes has been.
 uint64_t peakResidentBytes();
 
+/// Bytes of addresses that are left to drivers which end the process where an allocation of theirs fails (lavapipe).
+constexpr uint64_t ROOM_FOR_DRIVERS = 256ull << 20;
+/// Whether so many bytes of addresses could be had: a limit on them (ulimit -v) makes allocations fail. None are taken.
+bool areAddressesLeft(uint64_t bytes);
+
 /// Keeps the calling thread, and threads that it starts meanwhile, on some of the cores that it may use. For benchmarks that
 /// must not have two things on one core. Does nothing where there is only one.
 class CoreLimit {

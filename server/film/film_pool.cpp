@@ -1,5 +1,7 @@
 #include "server/film/film_pool.h"
 
+#include "server/base/machine.h"
+
 #include <algorithm>
 #include <new>
 #include <stdexcept>
@@ -15,6 +17,14 @@ namespace {
 }
 
 }  // namespace
+
+void resetWithRoom(Film& film, uvec2 resolution, uint32_t generation) {
+    constexpr uint64_t LARGE = 1 << 20, BYTES = 64;  // pixels; of a pixel at most
+    const uint64_t pixels = uint64_t{resolution.x} * resolution.y;
+    const bool grows = pixels > uint64_t{film.resolution().x} * film.resolution().y;
+    if (grows && pixels > LARGE && !areAddressesLeft(pixels * BYTES + ROOM_FOR_DRIVERS)) throw std::bad_alloc();
+    film.reset(resolution, generation);
+}
 
 bool FilmPool::emptied(Film& film, uvec2 resolution, uint32_t generation) {
     try {

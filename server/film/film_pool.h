@@ -10,6 +10,10 @@
 
 namespace heliograph {
 
+/// Film::reset; throws std::bad_alloc also where a film of more than a million pixels would leave fewer addresses than
+/// ROOM_FOR_DRIVERS.
+void resetWithRoom(Film& film, uvec2 resolution, uint32_t generation);
+
 class FilmPool {
 public:
     /// Films of one view at once, at most: what the memory for films has to be counted with.
@@ -17,7 +21,7 @@ public:
     /// Makes a film empty; throws std::bad_alloc. Tests let it fail.
     using Reset = std::function<void(Film&, uvec2 resolution, uint32_t generation)>;
 
-    explicit FilmPool(Reset reset = &Film::reset) : reset_(std::move(reset)) {}
+    explicit FilmPool(Reset reset = resetWithRoom) : reset_(std::move(reset)) {}
 
     /// An empty film that nobody else holds. Throws std::runtime_error, in words for people, when memory runs out.
     std::shared_ptr<Film> next(uvec2 resolution, uint32_t generation);

@@ -1,10 +1,10 @@
 #include "server/device/vulkan/core/gpu.h"
 
+#include "server/base/machine.h"
+
 #include <chrono>
 #include <cstring>
 #include <new>
-
-#include <sys/mman.h>
 
 namespace heliograph {
 
@@ -15,15 +15,6 @@ using Clock = std::chrono::steady_clock;
 constexpr auto SPIN = std::chrono::microseconds(100);
 constexpr uint64_t PATIENCE = 20'000'000'000;  // ns; a device that is silent for so long is lost
 constexpr float PRIORITY = 1.0f;
-constexpr size_t DRIVER_ROOM = 256 << 20;  // bytes; a batch takes less, and so does the compiling of a program
-
-/// Whether so many bytes could be had, by a limit on addresses (ulimit -v). None are taken.
-bool isThereRoom(size_t bytes) {
-    void* place = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (place == MAP_FAILED) return false;
-    munmap(place, bytes);
-    return true;
-}
 
 }  // namespace
 
@@ -183,7 +174,7 @@ VkCommandBuffer Gpu::newCommands() {
 void Gpu::freeCommands(VkCommandBuffer commands) { vkFreeCommandBuffers(handle(), pool_.get(), 1, &commands); }
 
 void Gpu::beginCommands(VkCommandBuffer commands) {
-    if (physical_.isCpu() && !isThereRoom(DRIVER_ROOM)) throw std::bad_alloc();
+    if (physical_.isCpu() && !areAddressesLeft(ROOM_FOR_DRIVERS)) throw std::bad_alloc();
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(vkBeginCommandBuffer(commands, &begin), "record");
