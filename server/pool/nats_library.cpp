@@ -1,7 +1,6 @@
 #include "server/pool/nats_library.h"
 
 #include "server/base/error.h"
-#include "server/base/text.h"
 
 #include <dlfcn.h>
 
@@ -15,8 +14,7 @@ NatsLibrary loadNats() {
     for (const char* name : {"libnats.so.3.4", "libnats.so"}) {
         if (!library) library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     }
-    if (!library)
-        throw InputError("--pool", "the NATS client library is not here", "install libnats3.4 (" + oneLine(dlerror()) + ")");
+    if (!library) throw InputError("--pool", "the NATS client library is not here", "install libnats3.4");
     NatsLibrary functions;
 #define NATS_FIND(name)                                                          \
     functions.name = reinterpret_cast<decltype(&::name)>(dlsym(library, #name)); \

@@ -116,6 +116,8 @@ void NatsTransport::configure(const BrokerOptions& options, const std::vector<Br
                               const std::string& name) {
     std::vector<std::string> urls;
     std::vector<const char*> pointers;
+    urls.reserve(brokers.size());
+    pointers.reserve(brokers.size());
     for (const BrokerAddress& broker : brokers) urls.push_back(urlOf(broker));
     for (const std::string& url : urls) pointers.push_back(url.c_str());
     check(nats_.natsOptions_SetServers(options_, pointers.data(), static_cast<int>(pointers.size())), "servers");
@@ -167,7 +169,7 @@ public:
     ~NatsSubscription() {
         nats_.natsSubscription_Unsubscribe(subscription_);
         if (state_->complete.get_future().wait_for(LEAVE_PATIENCE) != std::future_status::ready)
-            new std::shared_ptr<State>(state_);  // a call hangs: what it uses stays
+            static_cast<void>(std::make_unique<std::shared_ptr<State>>(state_).release());  // a call hangs: what it uses stays
         nats_.natsSubscription_Destroy(subscription_);
     }
     NatsSubscription(const NatsSubscription&) = delete;
