@@ -84,6 +84,7 @@ int node(const NodeOptions& options) {
     else if (options.cache != "none") made.folder = options.cache;
     made.sceneBytes = (options.sceneMib > 0 ? options.sceneMib << 20 : usableMemory() / 3);
     const std::string name = made.name, hardware = made.hardware;
+    std::optional<ShutdownLimit> limit;  // lives longer than the node and its line: it watches their end
     const std::shared_ptr<Transport> transport = makeNatsTransport(options.broker, "heliograph node " + name);
     RenderNode joined(transport, std::move(made));
     std::cout << "heliograph: node " << oneLine(name) << " (" << oneLine(hardware) << ") in the pool of " << transport->peer()
@@ -96,7 +97,7 @@ int node(const NodeOptions& options) {
     }
     log().info("ending");
     manager.stopping();
-    const ShutdownLimit limit(signals, SHUTDOWN_LIMIT, 0);
+    limit.emplace(signals, SHUTDOWN_LIMIT, 0);
     return 0;
 }
 
