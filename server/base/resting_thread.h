@@ -2,12 +2,15 @@
 // A thread that is there only while there is something to do, so that what rests (a view nobody moves, a viewer who looks)
 // costs no thread.
 
+#include "server/base/machine.h"
+
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <utility>
 
@@ -70,6 +73,7 @@ inline bool RestingThread::retry() noexcept {
 inline bool RestingThread::start() noexcept {
     if (thread_.joinable()) thread_.join();  // has left: it needs the lock no more
     try {
+        if (!areAddressesLeft(ROOM_FOR_DRIVERS)) throw std::bad_alloc();  // its stack would take of them
         thread_ = std::thread([this] { serve(); });
         awake_ = true;
     } catch (const std::exception&) {  // no thread, or no memory for one

@@ -8,6 +8,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -422,6 +424,7 @@ private:
             batchSeconds_ = std::min(batchSeconds_.load(), std::chrono::duration<double>(Clock::now() - begin).count());
         }
         size_.secondsPerSample = 0.0;
+        if (!gpu) malloc_trim(0);  // Mesa's compiler has freed a GiB
     }
 
     CoreLimit pinned_;  // first: threads that start below stay where it is
