@@ -24,11 +24,6 @@ size_t usedMaterials(const Scene& scene) {
     return static_cast<size_t>(std::count(used.begin(), used.end(), true));
 }
 
-/// Images on surfaces; the environment's is an effect of its own.
-size_t surfaceImages(const Scene& scene) {
-    return scene.images.size() - (scene.environment.image == NO_INDEX || scene.images.empty() ? 0 : 1);
-}
-
 /// The file's extensions: what is made of each, or why it is not read.
 nlohmann::ordered_json extensionRows(const Scene& scene) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -127,7 +122,7 @@ nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, d
             {"instances", scene.instances.size()},
             {"materials", usedMaterials(scene)},
             {"lights", scene.lights.size()},
-            {"textures", surfaceImages(scene)},
+            {"textures", scene.surfaceImages},
             {"bytes", scene.bytes()},
             {"variants", scene.variants.names},
             {"variant", chosenVariant(scene.variants)},

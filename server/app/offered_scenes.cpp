@@ -110,9 +110,9 @@ std::shared_ptr<const Scene> OfferedScenes::openWith(const std::string& name, co
     const std::string look = variant.empty() ? "" : "#" + variant;
     const std::optional<fs::path> upload = uploads_ ? uploads_->fileOf(base) : std::nullopt;
     const auto file = files_.find(base);
-    if (!upload) return openScene((file == files_.end() ? base : file->second) + look, environment, progress);
+    if (!upload) return openScene((file == files_.end() ? base : file->second) + look, environment, progress, true);
     try {
-        return openScene(upload->string() + look, environment, progress);
+        return openScene(upload->string() + look, environment, progress, true);
     } catch (const InputError& error) {
         if (variant.empty()) uploads_->forget(name);  // else the look may be what is not there
         // Paths of the server's disk are nobody's business.

@@ -13,9 +13,11 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
+#include "server/film/exposure.h"
 #include "server/film/stats.h"
 #include "server/images/image_module.h"
 #include "server/render/frame_renderer.h"
+#include "server/request/surroundings.h"
 #include "server/scene/load/scene_source.h"
 
 #include <iostream>
@@ -37,6 +39,7 @@ struct RenderResult {
     FrameRequest request;
     Milliseconds ms;
     FrameStats stats;
+    float exposure = 0.0f;  // EV, all that made the last picture what it is
 };
 
 GivenSettings settingsOf(const RenderOptions& options) {
@@ -46,7 +49,7 @@ GivenSettings settingsOf(const RenderOptions& options) {
     return given;
 }
 
-std::vector<uint8_t> encoded(const Film& film, PictureFormat format, const Settings& settings, float sceneExposure) {
+std::vector<uint8_t> encoded(const Film& film, PictureFormat format, const Settings& settings, float exposure, bool fromFile) {
     std::vector<vec4> pixels;
     film.develop(pixels);
     std::vector<uint8_t> bytes;
@@ -55,7 +58,7 @@ std::vector<uint8_t> encoded(const Film& film, PictureFormat format, const Setti
         return bytes;
     }
     DisplayImage image;
-    const ToneMap toneMap(sceneExposure + settings.exposure, static_cast<ToneCurve>(settings.toneCurve));
+    const ToneMap toneMap(exposure, shownCurve(static_cast<ToneCurve>(settings.toneCurve), fromFile));
     toneMap.apply(pixels, film.resolution(), image);
     std::unique_ptr<Encoder> encoder = format == PictureFormat::png ? makePngEncoder() : makeJpegEncoder();
     encoder->encode(image, settings.jpegQuality, bytes);
@@ -70,6 +73,7 @@ nlohmann::ordered_json toJson(const RenderResult& r) {
                                    {"width", r.request.resolution.x},
                                    {"height", r.request.resolution.y},
                                    {"samples", r.stats.samples},
+                                   {"exposure", r.exposure},
                                    {"effects", effectNames(r.request.effects)},
                                    {"ms", {{"load", r.ms.load}, {"build", r.ms.build}, {"render", r.ms.render}}},
                                    {"rays", toJson(r.stats.rays)},
@@ -100,12 +104,13 @@ public:
 
     void open(const RenderOptions& options, const Progress& progress) {
         StopWatch watch;
-        scene_ = openScene(sceneName(options), options.environment, progress);
+        scene_ = openScene(sceneName(options), options.environment, progress, choosesSurroundings(given_.settings));
         result_.ms.load = watch.milliseconds();
-        camera_ = chosenCamera(*scene_, options.camera, given_);
+        const double aspect = double(resolution_.x) / resolution_.y;
+        camera_ = chosenCamera(*scene_, options.camera, given_, "--camera", aspect);
         if (!options.previousCamera.empty()) {
             GivenSettings apart = given_;  // the picture keeps its own field of view
-            previous_ = chosenCamera(*scene_, options.previousCamera, apart, "--previous-camera");
+            previous_ = chosenCamera(*scene_, options.previousCamera, apart, "--previous-camera", aspect);
         }
         result_.scene = scene_->name;
     }
@@ -131,7 +136,11 @@ public:
         result_.request.previousCamera = previous;
         result_.stats = renderFrame(*device_, result_.request, given_.settings.samples, film_, {}, progress);
         result_.ms.render = result_.stats.milliseconds;
-        target_.write(encoded(film_, target_.format(), given_.settings, scene_->exposure), frame);
+        result_.exposure = scene_->exposure + given_.settings.exposure;
+        if (exposesPictures(given_.settings))
+            result_.exposure +=
+                meteredExposure(film_, plainBackdrop(*scene_, given_.settings, result_.request.effects)).value_or(0.0f);
+        target_.write(encoded(film_, target_.format(), given_.settings, result_.exposure, scene_->fromFile), frame);
         return result_;
     }
     /// As far as it is known.

@@ -94,6 +94,11 @@ GivenSettings givenSettings(const SceneOptions& options) {
     return given;
 }
 
+bool choosesSurroundings(const Settings& settings) {
+    const std::string word = Settings::choiceWord("surroundings", settings.surroundings);
+    return word == "studio" || word == "sky";
+}
+
 uvec2 parsedSize(const std::string& text) {
     const char* const end = text.data() + text.size();
     uint32_t width = 0, height = 0;
@@ -132,14 +137,15 @@ std::optional<Camera> typedCamera(const std::string& text, const char* option) {
     return cameraOnPath({"", 1.0f, false, {key, key}}, 0.0, degrees);  // which keeps a camera upright
 }
 
-Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option) {
+Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option, double aspect) {
     auto taken = [&](Camera camera) {
         if (given.has("fieldOfView")) camera.fieldOfView = given.settings.fieldOfView;
         else given.settings.fieldOfView = camera.fieldOfView;
         return checkedCamera(camera, scene);
     };
+    if (name.empty() || name == scene.cameras.front().name) return taken(cameraFrom(startCamera(scene, aspect)));
     for (const NamedCamera& candidate : scene.cameras)
-        if (name.empty() || candidate.name == name) return taken(cameraFrom(candidate));
+        if (candidate.name == name) return taken(cameraFrom(candidate));
     if (const std::optional<Camera> typed = typedCamera(name, option)) return taken(*typed);
     throw InputError(option, "the scene has no '" + name + "'",
                      joined(scene.cameras, ", ", [](const NamedCamera& camera) { return camera.name; }));

@@ -3,6 +3,7 @@
 
 #include "server/request/camera.h"
 #include "server/request/settings.h"
+#include "server/scene/framing.h"
 #include "server/scene/scene.h"
 
 #include <CLI/CLI.hpp>
@@ -48,6 +49,8 @@ struct GivenSettings {
 
 /// Defaults, --set in order, then --device. Throws InputError.
 GivenSettings givenSettings(const SceneOptions& options);
+/// Whether the settings ask for surroundings that a scene has to be opened with (openScene).
+bool choosesSurroundings(const Settings& settings);
 /// `WxH`, pixels. Throws InputError when it is not that, a side is 0, or there are more pixels than 33,177,600 (8K).
 uvec2 parsedSize(const std::string& text);
 /// The pixels that are rendered for a picture of `size`: times renderScale, at least 1x1.
@@ -57,6 +60,8 @@ uvec2 renderedSize(uvec2 size, const Settings& settings);
 std::optional<Camera> typedCamera(const std::string& text, const char* option = "--camera");
 /// The scene's camera of that name or as typed, or its first for "". A fieldOfView that was named replaces the camera's, else the
 /// setting takes over the camera's. Throws InputError that lists the names.
-Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option = "--camera");
+/// `aspect`: width over height of the picture.
+Camera chosenCamera(const Scene& scene, const std::string& name, GivenSettings& given, const char* option = "--camera",
+                    double aspect = USUAL_ASPECT);
 
 }  // namespace heliograph

@@ -34,7 +34,8 @@ static_assert(sizeof(Material) == 160 && offsetof(Material, metallic) == 80 && o
 static_assert(sizeof(TextureSlot) == 48 && offsetof(TextureSlot, image) == 24);
 static_assert(sizeof(Image) == 16 && sizeof(ImageLevel) == 16);
 static_assert(sizeof(Light) == 80 && offsetof(Light, intensity) == 32 && offsetof(Light, edge) == 64);
-static_assert(sizeof(Environment) == 208 && offsetof(Environment, ambient) == 32 && offsetof(Environment, lightTable) == 176);
+static_assert(sizeof(Environment) == 224 && offsetof(Environment, backdrop) == 208 && offsetof(Environment, ambient) == 32 &&
+              offsetof(Environment, lightTable) == 176);
 static_assert(sizeof(KernelCamera) == 64);
 static_assert(offsetof(FrameConstants, resolution) == 64 && offsetof(FrameConstants, fogCenter) == 96 &&
               offsetof(FrameConstants, rayReach) == 108 && offsetof(FrameConstants, cameraBefore) == 112);

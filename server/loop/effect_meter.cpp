@@ -1,6 +1,7 @@
 #include "server/loop/effect_meter.h"
 
 #include "server/film/stats.h"
+#include "server/request/surroundings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -103,7 +104,7 @@ std::optional<EffectCosts> EffectMeter::measured(const Order& order, std::stop_t
     FrameRequest base;
     base.camera = order.view.camera;
     base.settings = order.view.settings;
-    base.effects.bits = order.scene->effects.bits & allowedEffects(base.settings).bits;
+    base.effects = effectsUnder(*order.scene->scene, order.scene->effects, base.settings);
     const std::vector<EffectPair> pairs = effectPairs(order.scene->reasons, base);
     std::vector<Round> rounds{{base, {}, {}}};  // the view itself, then on and off of each effect that makes a difference
     for (const EffectPair& pair : pairs) {

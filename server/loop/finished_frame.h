@@ -32,13 +32,15 @@ struct FinishedFrame {
     uvec2 size{0, 0};                     // of the film
     ViewRequest view;
     uint32_t generation = 0;
-    uint32_t samples = 0;        // per pixel, in the mean
-    double refined = 1.0;        // part of its cells that get more on the way to the error target
-    bool final = false;          // the sample target or the error target is reached
-    bool errorReached = false;   // the error target, with fewer samples
-    bool path = false;           // part of a run along the camera path
-    float sceneExposure = 0.0f;  // EV
-    double inputSeconds = 0.0;   // from the input to the start of its first pass
+    uint32_t samples = 0;               // per pixel, in the mean
+    double refined = 1.0;               // part of its cells that get more on the way to the error target
+    bool final = false;                 // the sample target or the error target is reached
+    bool errorReached = false;          // the error target, with fewer samples
+    bool path = false;                  // part of a run along the camera path
+    float sceneExposure = 0.0f;         // EV
+    std::optional<float> autoExposure;  // EV that the picture asks for itself, where it is shown so
+    bool fromFile = false;              // its scene: Scene::fromFile
+    double inputSeconds = 0.0;          // from the input to the start of its first pass
     PassFigures figures;
     ErrorForecast forecast;
 };

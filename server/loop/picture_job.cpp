@@ -1,5 +1,8 @@
 #include "server/loop/picture_job.h"
 
+#include "server/film/exposure.h"
+#include "server/request/surroundings.h"
+
 #include <algorithm>
 
 namespace heliograph {
@@ -10,6 +13,7 @@ PictureJob::PictureJob(const PictureOrder& order, const ResidentScene& scene, Vi
     view_.settings.renderScale = 1.0f;
     film_ = filmServes ? film.film() : film.extra(filmSize(view_));
     request_ = requestFor(scene, view_, film_->generation(), std::nullopt);
+    autoExposure_ = film.autoExposure();
 }
 
 PictureState PictureJob::state() const { return samples() < target_ ? PictureState::unfinished : PictureState::finished; }
@@ -28,6 +32,10 @@ FinishedFrame PictureJob::frame(const Scene& scene) const {
     frame.samples = samples();
     frame.final = true;
     frame.sceneExposure = scene.exposure;
+    frame.fromFile = scene.fromFile;
+    if (exposesViews(view_.settings, scene))
+        frame.autoExposure =
+            autoExposure_ ? autoExposure_ : meteredExposure(*film_, plainBackdrop(scene, view_.settings, request_.effects));
     frame.figures = figures_;
     return frame;
 }

@@ -26,6 +26,7 @@ private:
     FrameRequest request_;
     ViewMemory memory_;
     PassFigures figures_;
+    std::optional<float> autoExposure_;  // the view's
 };
 
 }  // namespace heliograph

@@ -1,6 +1,8 @@
 #include "server/loop/view_film.h"
 
 #include "server/film/error_model.h"
+#include "server/film/exposure.h"
+#include "server/request/surroundings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +15,7 @@ FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uin
     FrameRequest request;
     request.camera = view.camera;
     request.settings = view.settings;
-    request.effects.bits = scene.effects.bits & allowedEffects(view.settings).bits;
+    request.effects = effectsUnder(*scene.scene, scene.effects, view.settings);
     request.resolution = filmSize(view);
     request.generation = generation;
     request.previousCamera = before;
@@ -24,6 +26,7 @@ FrameRequest requestFor(const ResidentScene& scene, const ViewRequest& view, uin
 void ViewFilm::forget() {
     view_.reset();
     memory_.costs.forget();
+    autoExposure_.reset();
 }
 
 bool ViewFilm::shows(const ViewRequest& request) const {
@@ -37,7 +40,8 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
         film_.reset();
         film_ = films_.next(filmSize(request), ++generation_);
         request_ = requestFor(scene, request, generation_, before);
-        film_->setWhite(Film::WHITE * std::exp2(-(scene.scene->exposure + request.settings.exposure)));
+        const float exposure = scene.scene->exposure + request.settings.exposure + autoExposure_.value_or(0.0f);
+        film_->setWhite(Film::WHITE * std::exp2(-exposure));
         samples_ = least_ = deliveredSamples_ = 0;
         errors_.clear();
         plan_.forget();
@@ -105,7 +109,17 @@ Delivery ViewFilm::delivery() const {
     return delivery;
 }
 
+void ViewFilm::meterExposure(const Scene& scene, bool path) {
+    if (!exposesViews(view_->settings, scene)) {
+        autoExposure_.reset();
+    } else if (!autoExposure_ || !(view_->moving || path)) {
+        const std::optional<float> metered = meteredExposure(*film_, plainBackdrop(scene, view_->settings, request_.effects));
+        if (metered) autoExposure_ = metered;  // else there is nothing to see, and what was held serves
+    }
+}
+
 FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
+    meterExposure(scene, path);
     FinishedFrame frame;
     frame.film = film_;
     frame.size = film_->resolution();
@@ -117,6 +131,8 @@ FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
     frame.final = samples_ >= targetSamples() && !path;
     frame.path = path;
     frame.sceneExposure = scene.exposure;
+    frame.autoExposure = autoExposure_;
+    frame.fromFile = scene.fromFile;
     frame.forecast = forecastError(errors_, [edges = edgeShare_](double n) { return std::sqrt(errorDecay(n, edges)); });
     frame.inputSeconds = inputSeconds_;
     frame.figures = std::exchange(figures_, PassFigures{});

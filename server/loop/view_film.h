@@ -37,6 +37,8 @@ public:
     Delivery delivery() const;
     /// What it shows shall be delivered once more, although nothing has changed.
     void offerAgain() { again_ = true; }
+    /// Exposure that the pictures ask for themselves, EV; nothing where they do not.
+    std::optional<float> autoExposure() const { return autoExposure_; }
     /// The film as a frame, which then counts as delivered. `path`: part of a run along the camera path.
     FinishedFrame frame(const Scene& scene, bool path);
 
@@ -60,6 +62,8 @@ private:
     uint32_t targetSamples() const;
     /// Asks the film for its error, seldom enough to cost nothing.
     void noteError();
+    /// Chooses the exposure by the film, at rest or for want of one.
+    void meterExposure(const Scene& scene, bool path);
     void askError();
 
     FilmPool films_;
@@ -76,6 +80,7 @@ private:
     ViewMemory memory_;
     AdaptivePlan plan_;
     bool passWasWhole_ = true;
+    std::optional<float> autoExposure_;  // held while the view moves
     uint32_t deliveredSamples_ = 0;
     bool finalDelivered_ = false;
     bool again_ = false;

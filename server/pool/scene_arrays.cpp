@@ -46,8 +46,13 @@ void checkImages(const Scene& scene) {
                                  m.opacityTexture, m.transmissionTexture, m.specularTexture, m.occlusionTexture})
             expect(among(texture, scene.textures.size()));
     }
-    expect(among(scene.environment.image, scene.images.size()));
-    expect(among(scene.environment.filtered, scene.images.size()));
+    const auto expectImages = [&](const Environment& environment) {
+        expect(among(environment.image, scene.images.size()));
+        expect(among(environment.filtered, scene.images.size()));
+    };
+    expectImages(scene.environment);
+    for (const Environment& offered : scene.offered) expectImages(offered);
+    expect(scene.offered.empty() || scene.offered.size() == 2);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace heliograph {
 
 #ifdef __GLIBCXX__
-static_assert(sizeof(Scene) == 912,
+static_assert(sizeof(Scene) == 1624,
               "Scene has changed: if pictures depend on a new member, scene_parts.cpp has to carry it to the nodes");
 #endif
 
@@ -25,6 +25,7 @@ void forSceneArrays(AnyScene& scene, Visit visit) {
     visit(scene.imageLevels);
     visit(scene.texels);
     visit(scene.lights);
+    visit(scene.offered);
 }
 
 /// Throws PoolMessageError where an index points out of the array that it is of.

@@ -7,7 +7,8 @@ namespace heliograph {
 
 namespace {
 
-constexpr uint32_t SCENE_MAGIC = 0x43534c48;  // "HLSC"
+constexpr uint32_t SCENE_MAGIC = 0x43534c48;      // "HLSC"
+constexpr uint32_t FROM_FILE = 1, IN_STUDIO = 2;  // what a scene is, beside its arrays
 /// Scenes above are not taken: 256 GiB.
 constexpr uint64_t MOST_SCENE_BYTES = uint64_t(1) << 38;
 
@@ -63,6 +64,7 @@ SceneParts::SceneParts(std::shared_ptr<const Scene> scene) : scene_(std::move(sc
     for (const Bounds& bounds : scene_->bodyBounds) write(writer, bounds);
     writer.put(scene_->aoRadius);
     writer.put(scene_->exposure);
+    writer.put(static_cast<uint32_t>((scene_->fromFile ? FROM_FILE : 0u) | (scene_->inStudio ? IN_STUDIO : 0u)));
     writer.put(scene_->contentHash);
     writer.raw(&scene_->environment, sizeof(Environment));
     forSceneArrays(*scene_, [&](const auto& array) { writer.put(static_cast<uint64_t>(array.size())); });
@@ -109,6 +111,9 @@ Scene sceneOf(std::span<const uint8_t> bytes) {
     for (Bounds& bounds : scene.bodyBounds) bounds = readBounds(reader);
     scene.aoRadius = reader.get<float>();
     scene.exposure = reader.get<float>();
+    const auto flags = reader.get<uint32_t>();
+    scene.fromFile = (flags & FROM_FILE) != 0;
+    scene.inStudio = (flags & IN_STUDIO) != 0;
     scene.contentHash = reader.get<uint64_t>();
     copyTo(reader, scene.environment);
     std::vector<uint64_t> sizes;

@@ -1,6 +1,7 @@
 #include "server/render/frame_renderer.h"
 
 #include "server/request/effect_rules.h"
+#include "server/request/surroundings.h"
 
 namespace heliograph {
 
@@ -21,7 +22,7 @@ FrameStats renderFrame(Renderer& renderer, const FrameRequest& request, uint32_t
 
 FrameRequest frameRequest(const Scene& scene, const Camera& camera, const Settings& settings, uvec2 resolution,
                           uint32_t generation) {
-    EffectSet effects{effectsOf(scene).bits & allowedEffects(settings).bits};
+    const EffectSet effects = effectsUnder(scene, effectsOf(scene), settings);
     return {checkedCamera(camera), settings, effects, resolution, generation, std::nullopt};
 }
 

@@ -1,5 +1,6 @@
 #include "server/request/frame_request.h"
 
+#include "server/request/surroundings.h"
 #include "server/scene/media_at.h"
 
 #include <algorithm>
@@ -31,6 +32,10 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.name = request.settings.name;
 #include "shaders/kernel/settings_table.glsl"
     return constants;
+}
+
+FrameData frameData(const Scene& scene, const FrameRequest& request) {
+    return {frameConstants(scene, request), environmentFor(scene, request.settings)};
 }
 
 }  // namespace heliograph

@@ -14,7 +14,7 @@ namespace heliograph {
 struct FrameRequest {
     Camera camera;
     Settings settings;
-    EffectSet effects;  // effectsOf(scene) & allowedEffects(settings)
+    EffectSet effects;  // effectsUnder(scene, effectsOf(scene), settings)
     uvec2 resolution{0, 0};
     uint32_t generation = 0;               // grows with each new request of a viewer
     std::optional<Camera> previousCamera;  // a frame ago, for motion blur; none: the camera rests
@@ -22,6 +22,14 @@ struct FrameRequest {
     // lab's references have others.
     uint32_t seed = 1;
 };
+
+/// What a GPU reads of a frame, in the layout of shaders/vulkan/buffers.glsl.
+struct FrameData {
+    alignas(16) FrameConstants constants;
+    alignas(16) Environment environment;
+};
+
+FrameData frameData(const Scene& scene, const FrameRequest& request);
 
 /// Fills the kernel's block. `scene` gives the light count, the AO radius and the ball of fog.
 FrameConstants frameConstants(const Scene& scene, const FrameRequest& request);

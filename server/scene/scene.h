@@ -5,6 +5,7 @@
 #include "server/kernel/kernel_types.h"
 #include "server/scene/object_names.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -32,6 +33,15 @@ struct NamedCamera {
     vec3 forward{0.0f, 0.0f, -1.0f};  // unit
     vec3 up{0.0f, 1.0f, 0.0f};        // unit, orthogonal to forward
     float fieldOfView = 60.0f;        // vertical, degrees
+};
+
+/// How far the vertices of a scene reach as seen from one direction (scene/framing.h).
+struct Framing {
+    static constexpr size_t STEPS = 40;
+    vec3 center{0.0f};
+    /// To the right, left, up and down of the center, plus the tangent of an opening angle times how much nearer they are: for
+    /// tangents in equal ratios from 1e-4 to 100.
+    std::array<std::array<float, STEPS>, 4> reach{};
 };
 
 /// A camera path: keys are passed at equal times along a closed or open Catmull-Rom spline.
@@ -78,14 +88,17 @@ public:
     std::vector<Material> materials;
     std::vector<TextureSlot> textures;
     std::vector<Image> images;
+    uint32_t surfaceImages = 0;  // of them; the others are of surroundings
     std::vector<ImageLevel> imageLevels;
     std::vector<uint32_t> texels;
     std::vector<Light> lights;
-    Environment environment{};
+    Environment environment{};         // as the scene has it
+    std::vector<Environment> offered;  // studio and sky, where settings may choose them (SceneBuilder::offerSurroundings)
 
     std::vector<std::string> materialNames;  // one per material, for messages and reasons
     ObjectNames objects;                     // the same
     std::vector<NamedCamera> cameras;        // at least one; the first is where a viewer starts
+    std::optional<Framing> framing;          // where no file names the first camera and it looks at the scene from outside
     std::vector<CameraPath> paths;           // may be empty
     std::vector<std::string> warnings;       // what the loader changed, ignored or added
     AtRest atRest;
@@ -96,6 +109,9 @@ public:
     std::vector<Bounds> bodyBounds;         // of all bodies, in the world, where some are nested
     float aoRadius = 1.0f;                  // metres: what aoRadius = 1 means in this scene
     float exposure = 0.0f;                  // EV that suits the scene, added to the viewer's
+    bool fromFile = false;                  // somebody else's model, not one of the scenes that come along
+    bool inStudio = false;                  // from a file without any light: `environment` is the studio
+    bool litByFile = false;                 // from a file that brings lights or bright glow, of whatever unit
     uint64_t contentHash = 0;               // of every array above
 
     /// Where a camera may stand: within 10,000 radii of the scene's middle (from there it fills the narrowest field of view),

@@ -111,6 +111,8 @@ private:
     void tell(const std::string& text);
     void tellSettings(const Seat& seat, std::optional<uint32_t> inputId) const;
     void tellScene(Viewer& viewer) const;
+    /// Width over height of its pictures, as far as that is known. Mutex held.
+    double aspect() const;
     void tellRole(const Seat& seat, std::optional<uint32_t> inputId) const;
     void changeQuality(Seat& seat, const SettingsMessage& message);
     void checkVisible(const char* message) const;

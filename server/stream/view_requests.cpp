@@ -4,6 +4,7 @@
 
 #include "server/base/log.h"
 #include "server/film/film_shares.h"
+#include "server/scene/framing.h"
 
 #include <algorithm>
 
@@ -63,8 +64,13 @@ void View::tellRole(const Seat& seat, std::optional<uint32_t> inputId) const {
     seat.viewer->say(watchingMessage(id_, drives, drives && scene_ ? &request_.camera : nullptr, inputId));
 }
 
+double View::aspect() const {
+    const uvec2 size = request_.resolution;
+    return size.x > 0 && size.y > 0 ? static_cast<double>(size.x) / size.y : USUAL_ASPECT;
+}
+
 void View::tellScene(Viewer& viewer) const {
-    if (scene_) viewer.say(sceneReadyMessage(sceneName_, *scene_->scene, scene_->reasons));
+    if (scene_) viewer.say(sceneReadyMessage(sceneName_, *scene_->scene, scene_->reasons, aspect()));
     if (orderedName_.empty() || (scene_ && orderedName_ == sceneName_)) return;
     viewer.say(sceneFailure_.empty() ? sceneLoadingMessage(orderedName_, "", 0.0)
                                      : sceneFailedMessage(orderedName_, sceneFailure_));
@@ -291,7 +297,7 @@ void View::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
             seat.viewer->say(errorMessage("picture: the scene was changed before it was finished", "picture", std::nullopt));
     }
     dropEffectCosts("the scene was changed before they were measured");
-    request_.camera = cameraFrom(scene_->scene->cameras.front());
+    request_.camera = cameraFrom(startCamera(*scene_->scene, aspect()));
     request_.received = Clock::now();
     for (const Seat& seat : seats_) tellScene(*seat.viewer);
     bool visible = request_.resolution.x > 0;

@@ -1,5 +1,7 @@
 #include "server/viewer/messages.h"
 
+#include "server/scene/framing.h"
+
 #include "server/pace/bottleneck.h"
 #include "server/pace/quality_ladder.h"
 #include "server/request/device_rows.h"
@@ -147,9 +149,11 @@ std::string sceneLoadingMessage(const std::string& name, const std::string& what
                  {"share", std::clamp(finite(share), 0.0, 1.0)}});
 }
 
-std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons) {
+std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons,
+                              double aspect) {
     json cameras = json::array(), paths = json::array(), effects = json::array();
     for (const NamedCamera& camera : scene.cameras) cameras.push_back(cameraJson(camera));
+    if (!cameras.empty()) cameras[0] = cameraJson(startCamera(scene, aspect));
     for (const CameraPath& path : scene.paths) paths.push_back(path.name);
     for (const EffectReason& row : reasons) {
         effects.push_back({{"name", row.name},
@@ -203,6 +207,7 @@ std::string statsMessage(const ViewerStats& s) {
                     {"relativeError", finite(s.relativeError)},
                     {"forecast", forecastJson(s.forecast)},
                     {"refined", finite(s.refined)},
+                    {"autoExposure", s.autoExposure ? json(*s.autoExposure) : json()},
                     {"rays", toJson(s.rays)},
                     {"mraysPerSecond", finite(s.mraysPerSecond)},
                     {"ms", ms},

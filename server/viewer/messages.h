@@ -40,8 +40,9 @@ struct ViewerStats {
     uint32_t targetSamples = 0;
     double relativeError = 1.0;
     ErrorForecast forecast;
-    double refined = 1.0;  // part of the picture that still gets samples on the way to the error target
-    RayCounts rays;        // of the last pass
+    double refined = 1.0;               // part of the picture that still gets samples on the way to the error target
+    std::optional<float> autoExposure;  // EV, where the picture chooses it
+    RayCounts rays;                     // of the last pass
     double mraysPerSecond = 0.0;
     struct Milliseconds {
         double render = 0, develop = 0, encode = 0, queue = 0, send = 0;
@@ -66,7 +67,9 @@ std::string helloMessage(uint32_t viewer, const std::string& view, const std::st
                          const std::vector<SceneRecipe>& scenes, const std::vector<std::string>& devices,
                          const SettingCaps& caps = {});
 std::string sceneLoadingMessage(const std::string& name, const std::string& what, double share);
-std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons);
+/// `aspect`: width over height of the viewer's picture, for which its first camera is framed.
+std::string sceneReadyMessage(const std::string& name, const Scene& scene, const std::vector<EffectReason>& reasons,
+                              double aspect);
 std::string sceneFailedMessage(const std::string& name, const std::string& why);
 /// `inputId` names the message that this answers, if any.
 std::string settingsMessage(const nlohmann::json& values, std::optional<uint32_t> inputId);

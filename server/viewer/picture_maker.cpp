@@ -22,8 +22,8 @@ StripeThreads threadsFor(const FinishedFrame& frame) { return frame.picture ? St
 double develop(const FinishedFrame& frame, DisplayImage& display) {
     const Film& film = *frame.film;
     const uvec2 size = frame.size;
-    const ToneMap toneMap(frame.view.settings.exposure + frame.sceneExposure,
-                          static_cast<ToneCurve>(frame.view.settings.toneCurve));
+    const ToneMap toneMap(frame.view.settings.exposure + frame.sceneExposure + frame.autoExposure.value_or(0.0f),
+                          shownCurve(static_cast<ToneCurve>(frame.view.settings.toneCurve), frame.fromFile));
     display.width = size.x;
     display.height = size.y;
     display.rgba.resize(static_cast<size_t>(size.x) * size.y * 4);
@@ -137,6 +137,7 @@ EncodedFrame PictureMaker::make(const FinishedFrame& frame, FrameHeader header, 
     result.targetSamples = frame.view.settings.samples;
     result.forecast = frame.forecast;
     result.refined = frame.refined;
+    result.autoExposure = frame.autoExposure;
     if (frame.view.settings.showError && !frame.picture) result.errors = frame.film->errorMap(uvec2(CELL_SIZE));
     if (made.still) result.still = std::make_shared<StillPicture>(StillPicture{made.still, result.header});
     return result;

@@ -52,6 +52,7 @@ struct EncodedFrame {
     uint32_t targetSamples = 0;
     ErrorForecast forecast;
     double refined = 1.0;                       // as FinishedFrame has it
+    std::optional<float> autoExposure;          // the same
     std::optional<ErrorMap> errors;             // where it is asked for
     double coreSeconds = 0.0;                   // processor time of developing and encoding
     bool shared = false;                        // another viewer's thread has made it

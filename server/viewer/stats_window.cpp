@@ -20,6 +20,7 @@ void StatsWindow::frameSent(const EncodedFrame& frame) {
     last_.relativeError = frame.header.relativeError;
     last_.forecast = frame.forecast;
     last_.refined = frame.refined;
+    last_.autoExposure = frame.autoExposure;
     if (frame.figures.passes > 0) {
         last_.rays = frame.figures.lastRays;
         last_.schedule = frame.figures.schedule;

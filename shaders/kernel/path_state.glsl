@@ -93,8 +93,18 @@ vec3 skyRadiance(IN(PathState) p) {
     return radiance;
 }
 
+// What the camera sees behind the scene, through glass as well; mirrors and rough surfaces see the surroundings.
+vec3 withBackdrop(IN(PathState) p, vec3 radiance) {
+    if (!HAS(EFFECT_ENVIRONMENT_IMAGE)) return radiance;
+    if (ENVIRONMENT.backdrop.w == 0.0f) return radiance;
+    vec3 shown = pointOf(ENVIRONMENT.backdrop);
+    if (ENVIRONMENT.backdrop.w > 0.0f) shown = environmentRadiance(p.direction, ENVIRONMENT.backdrop.w);
+    bool behind = reflectionDepth(p.depth) == 0u && (p.depth & DIFFUSED) == 0u;
+    return SELECT(behind, shown, radiance);
+}
+
 vec3 missRadiance(IN(PathState) p) {
-    vec3 radiance = skyRadiance(p);
+    vec3 radiance = withBackdrop(p, skyRadiance(p));
     if (HAS(EFFECT_FOG)) {
         float air = airOfMiss(p);
         radiance = radiance * fogTransmittance(p.origin, p.direction, air) + fogAmbient(p.origin, p.direction, air);

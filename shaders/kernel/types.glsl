@@ -169,7 +169,8 @@ struct Light {
     float aspect;      // quad: half length of that side over the length of `edge`
 };
 
-// What surrounds the scene, and the tables by which light is sampled (first words in the array of texels). 208 bytes.
+// What surrounds the scene, and the tables by which light is sampled (first words in the array of texels). 224 bytes. One of
+// those that the scene has, turned and scaled for the frame (request/surroundings.h).
 struct Environment {
     vec4 color;          // rgb mean radiance, used where there is no image
     uint image;          // RGB9E5 or SRGB8 lat-long image or NO_INDEX
@@ -185,6 +186,8 @@ struct Environment {
     uint lightTree;        // root of the tree of the scene's many lights (scene/light/light_tree.h): a word of the texels
     uint lightTreeLevels;  // choices from the root to a light at most; 0: no tree
     uint listedLights;     // lights before those in the tree: asked one by one
+    vec4 backdrop;         // seen behind the scene in the place of the image: w < 0, rgb radiance; w > 0, the image blurred by a
+                           // cone of so many radians; 0, the image itself
 };
 UINT_CONSTANT(FILTERED_LEVELS, 10u)  // level i of Environment.filtered: the lobe of roughness (i + 1) / FILTERED_LEVELS
 UINT_CONSTANT(LIGHT_TABLE_WORDS, 3u)

@@ -6,8 +6,10 @@
 
 #include "vulkan/bindings.glsl"
 
-layout(std140, set = 0, binding = BINDING_FRAME) uniform FrameBlock { FrameConstants frameConstants; };
-layout(std140, set = 0, binding = BINDING_ENVIRONMENT) uniform EnvironmentBlock { Environment environmentData; };
+layout(std140, set = 0, binding = BINDING_FRAME) uniform FrameData {
+    FrameConstants frameConstants;
+    Environment environmentData;
+};
 #define FRAME frameConstants
 #define ENVIRONMENT environmentData
 

@@ -158,6 +158,7 @@ export interface Stats {
   readonly forecast: Forecast | null; // not known
   readonly autopilot: Autopilot | null; // no budget
   readonly refined: number; // 0..1: part of the picture that still gets samples
+  readonly autoExposure: number | null; // EV that the picture chose itself; null: it does not
   readonly rays: Numbers;
   readonly mraysPerSecond: number;
   readonly ms: Numbers;
@@ -401,6 +402,7 @@ function statsOf(fields: Fields): Stats {
     forecast: forecastOf(fields['forecast']),
     autopilot: autopilotOf(fields['autopilot']),
     refined: numberOf(fields['refined'], 1),
+    autoExposure: typeof fields['autoExposure'] === 'number' ? fields['autoExposure'] : null,
     rays: numbersOf(fields['rays']),
     mraysPerSecond: numberOf(fields['mraysPerSecond']),
     ms: numbersOf(fields['ms']),

@@ -51,8 +51,8 @@ struct Bench {
     }
 
     void open(const BenchOptions& options, const Progress& progress) {
-        scene = openScene(sceneName(options), options.environment, progress);
-        camera = chosenCamera(*scene, options.camera, given);
+        scene = openScene(sceneName(options), options.environment, progress, choosesSurroundings(given.settings));
+        camera = chosenCamera(*scene, options.camera, given, "--camera", double(resolution.x) / resolution.y);
         device = makeRenderer(given.settings);
         device->load(scene, given.settings, progress);
     }

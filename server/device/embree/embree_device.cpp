@@ -4,6 +4,7 @@
 #include "server/device/embree/embree_scene.h"
 #include "server/device/embree/flush_denormals.h"
 #include "server/device/embree/tile_programs.h"
+#include "server/request/surroundings.h"
 
 #include <tbb/task_arena.h>
 
@@ -104,9 +105,12 @@ private:
         Frame(EmbreeDevice& device, const FrameRequest& request)
             : scene(device.sceneFor(request.settings)),
               constants(frameConstants(scene->scene(), request)),
+              environment(environmentFor(scene->scene(), request.settings)),
+              view(scene->view()),
               program(chooseTileProgram(tileProgramTable(), request.effects.bits)) {
             job.rtcScene = scene->target();
-            job.view = &scene->view();
+            view.environment = &environment;
+            job.view = &view;
             job.frame = &constants;
             job.coherentPrimary = scene->coherentPrimary();
             job.coherentShadows = scene->coherentShadows();
@@ -115,6 +119,8 @@ private:
         }
         std::shared_ptr<EmbreeScene> scene;
         FrameConstants constants;
+        Environment environment;
+        SceneView view;  // with the frame's own environment
         TileJob job;
         uint32_t program;
         std::atomic<size_t> next{0};  // tile

@@ -159,7 +159,8 @@ LinearPicture AccuracySweep::compared(const LinearPicture& picture) const {
 
 DisplayImage AccuracySweep::shown(const LinearPicture& picture) const {
     DisplayImage image;
-    const ToneMap toneMap(scene_.exposure + options_.settings.exposure, static_cast<ToneCurve>(options_.settings.toneCurve));
+    const ToneCurve curve = shownCurve(static_cast<ToneCurve>(options_.settings.toneCurve), scene_.fromFile);
+    const ToneMap toneMap(scene_.exposure + options_.settings.exposure, curve);
     toneMap.apply(picture.pixels, picture.resolution, image);
     return image;
 }

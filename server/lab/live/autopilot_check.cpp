@@ -5,6 +5,7 @@
 #include "server/render/frame_renderer.h"
 #include "server/render/pass_renderer.h"
 #include "server/request/effect_rules.h"
+#include "server/request/surroundings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,7 @@ public:
     double fly(const Scene& scene, const Camera& camera, const Settings& settings, double scale) {
         request_.camera = camera;
         request_.settings = settings;
-        request_.effects.bits = effectsOf(scene).bits & allowedEffects(settings).bits;
+        request_.effects = effectsUnder(scene, effectsOf(scene), settings);
         const uvec2 full = full_.x > 0 ? full_ : (full_ = request_.resolution);
         request_.resolution = glm::max(uvec2(glm::round(glm::dvec2(full) * scale)), uvec2(1));
         request_.generation++;

@@ -63,6 +63,7 @@ uint64_t contentHashOf(const Scene& scene) {
     hash = hashArray(hash, scene.texels);
     hash = hashArray(hash, scene.lights);
     hash = hashBytes(hash, &scene.environment, sizeof(Environment));
+    hash = hashArray(hash, scene.offered);
     return mix(hash);
 }
 

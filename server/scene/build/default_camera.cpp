@@ -1,6 +1,10 @@
 #include "server/scene/build/default_camera.h"
 
+#include "server/scene/framing.h"
+
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <array>
@@ -15,7 +19,8 @@ namespace {
 using glm::dvec3;
 
 constexpr uint64_t MOST_TESTED_TRIANGLES = 4'000'000;
-constexpr float FIELD_OF_VIEW = 60.0f;  // degrees
+constexpr float ROOM_FIELD_OF_VIEW = 60.0f;    // degrees
+constexpr float OBJECT_FIELD_OF_VIEW = 40.0f;  // as a lens of 50 mm, with which near parts look no larger than they are
 
 dvec3 toWorld(const Instance& m, const vec4& p) {
     return dvec3(m.toWorld0.x * p.x + m.toWorld0.y * p.y + m.toWorld0.z * p.z + m.toWorld0.w,
@@ -84,12 +89,30 @@ bool looksLikeRoom(const Scene& scene, dvec3 center) {
     return scene.bounds.radius() > 4.0f || facingSurfaces(scene, center, true) < RAYS / 2;
 }
 
+/// Of the vertices that triangles use, wherever they are placed.
+Framing framingOf(const Scene& scene, dvec3 center, const NamedCamera& view) {
+    FramingWriter writer(center, view);
+    for (const Instance& instance : scene.instances) {
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const auto part = [&](const tbb::blocked_range<uint32_t>& range, FramingWriter found) {
+            for (uint32_t i = range.begin(); i < range.end(); i++) found.add(toWorld(instance, scene.positions[i]));
+            return found;
+        };
+        const auto both = [](FramingWriter a, const FramingWriter& b) {
+            a.add(b);
+            return a;
+        };
+        const tbb::blocked_range<uint32_t> vertices(mesh.firstVertex, mesh.firstVertex + mesh.vertexCount, 4096);
+        writer.add(tbb::parallel_reduce(vertices, FramingWriter(center, view), part, both));
+    }
+    return writer.framing();
+}
+
 }  // namespace
 
-NamedCamera defaultCamera(const Scene& scene) {
+NamedCamera defaultCamera(const Scene& scene, std::optional<Framing>& framing) {
     NamedCamera camera;
     camera.name = "default";
-    camera.fieldOfView = FIELD_OF_VIEW;
     const dvec3 low(scene.bounds.low), high(scene.bounds.high);
     const dvec3 size = high - low;
     const dvec3 center = 0.5 * (low + high);
@@ -100,23 +123,22 @@ NamedCamera defaultCamera(const Scene& scene) {
         const double back = std::min(behind.distance, 0.5 * glm::dot(size, along)) * 0.65;
         camera.position = vec3(eye + along * back);
         camera.forward = vec3(dvec3(0.0) - along);
+        camera.fieldOfView = ROOM_FIELD_OF_VIEW;
         return camera;
     }
-    const dvec3 direction = glm::normalize(dvec3(0.45, 0.35, 1.0));
-    const dvec3 right = glm::normalize(glm::cross(-direction, dvec3(0.0, 1.0, 0.0)));
-    const dvec3 up = glm::cross(right, -direction);
-    // The distance at which every corner of the bounds fits into a square picture, and a tenth more.
-    const double tangent = std::tan(0.5 * FIELD_OF_VIEW * std::numbers::pi / 180.0);
-    double distance = 0.0;
-    for (int i = 0; i < 8; i++) {
-        const dvec3 corner = 0.5 * dvec3(i & 1 ? size.x : -size.x, i & 2 ? size.y : -size.y, i & 4 ? size.z : -size.z);
-        const double aside = std::max(std::abs(glm::dot(corner, right)), std::abs(glm::dot(corner, up)));
-        distance = std::max(distance, aside / tangent + glm::dot(corner, direction));
+    const dvec3 right = glm::normalize(glm::cross(-DEFAULT_VIEW, dvec3(0.0, 1.0, 0.0)));
+    camera.forward = vec3(-DEFAULT_VIEW);
+    camera.up = vec3(glm::cross(right, -DEFAULT_VIEW));
+    camera.fieldOfView = OBJECT_FIELD_OF_VIEW;
+    const bool visible = !scene.bounds.empty() && std::ranges::any_of(scene.instances, [&](const Instance& i) {
+        return scene.meshes[i.mesh].vertexCount > 0;
+    });
+    if (!visible) {
+        camera.position = vec3(DEFAULT_VIEW);
+        return camera;
     }
-    camera.position = vec3(center + direction * std::max(1.1 * distance, 1e-6));
-    camera.forward = vec3(-direction);
-    camera.up = vec3(up);
-    return camera;
+    framing = framingOf(scene, center, camera);
+    return framed(*framing, camera, USUAL_ASPECT);
 }
 
 NamedCamera cameraFromAfar(const NamedCamera& parallel, float halfHeight, const Bounds& bounds) {

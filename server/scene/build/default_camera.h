@@ -5,9 +5,13 @@
 
 namespace heliograph {
 
-/// Frames the scene's bounds from the front, above and to the right. A scene that looks like a room from its middle
-/// (most rays from there meet surfaces whose normals face it) is seen from inside, along its longest side.
-NamedCamera defaultCamera(const Scene& scene);
+/// From where a scene is seen, as a unit vector from its middle: from the front, above and to the right.
+inline const glm::dvec3 DEFAULT_VIEW = glm::normalize(glm::dvec3(0.45, 0.35, 1.0));
+
+/// Frames the scene's vertices along DEFAULT_VIEW, in a picture of the usual shape, and notes in `framing` what others take. A
+/// scene that looks like a room from its middle (most rays from there meet surfaces whose normals face it) is seen from
+/// inside, along its longest side; nothing is noted then.
+NamedCamera defaultCamera(const Scene& scene, std::optional<Framing>& framing);
 
 /// A camera with a parallel projection as one that looks from AFAR radii away, where sizes in a scene differ by less than 1 / AFAR
 /// from its middle to its ends: its middle is shown as large as `halfHeight`, in metres, asks for.

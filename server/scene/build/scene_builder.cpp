@@ -12,11 +12,13 @@
 #include "server/scene/light/emitters.h"
 #include "server/scene/light/environment_tables.h"
 #include "server/scene/light/light_tree.h"
+#include "server/scene/light/studio.h"
 #include "server/scene/media/nested_media.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace heliograph {
@@ -94,51 +96,130 @@ void buildImages(SceneDraft& draft, const Progress& progress) {
     }
 }
 
-void buildEnvironment(SceneDraft& draft) {
-    Environment& environment = draft.scene.environment;
-    environment = Environment{};
+/// An environment as `image` or, without one, `color` makes it; without tables.
+Environment environmentOf(const SceneDraft& draft, uint32_t image, vec3 color, float intensity, float rotation) {
+    Environment environment{};
     environment.image = environment.filtered = NO_INDEX;
     environment.intensity = 1.0f;
-    if (draft.environmentImage < draft.images.size()) {
-        environment.image = draft.environmentImage;
-        environment.intensity = draft.environmentIntensity;
-        environment.rotation = draft.environmentRotation;
-        ambientFromImage(environment, draft.images[draft.environmentImage]);
-    } else {
-        ambientFromColor(environment, draft.environmentColor.value_or(DEFAULT_SURROUNDINGS));
+    if (image >= draft.images.size()) {
+        ambientFromColor(environment, color);
+        return environment;
     }
-}
-
-/// The radiance of the environment image for its tables, before its pixels are freed; empty without one.
-RadianceMap environmentMap(const SceneDraft& draft) {
-    if (draft.scene.environment.image == NO_INDEX) return {};
-    return radianceMap(draft.images[draft.environmentImage], MOST_LIGHT_TEXELS);
-}
-
-/// The tables of the environment image, where its light is not smooth.
-void buildEnvironmentTables(Scene& scene, const RadianceMap& map, bool smooth) {
-    if (map.texels.empty()) return;
-    if (!smooth) scene.environment.filtered = appendFiltered(scene, halvedTo(map, MOST_FILTERED_TEXELS));
-    if (concentrated(map) > LIGHT_IN_SKY) appendLightTable(scene, scene.environment, map);
+    environment.image = image;
+    environment.intensity = intensity;
+    environment.rotation = rotation;
+    ambientFromImage(environment, draft.images[image]);
+    return environment;
 }
 
 /// Whether nine coefficients hold the image's light. They are turned with the image; the map is not.
-bool hasSmoothSky(const SceneDraft& draft, const RadianceMap& map) {
-    if (map.texels.empty()) return true;
+bool hasSmoothSky(const ImageData& image, const RadianceMap& map) {
     Environment unrotated{};
     unrotated.intensity = 1.0f;
-    ambientFromImage(unrotated, draft.images[draft.environmentImage]);
+    ambientFromImage(unrotated, image);
     const RadianceMap coarse = halvedTo(map, 128 * 64);
     return ambientMisses(coarse, unrotated) <= SMOOTH_AMBIENT && reflectionMisses(coarse, unrotated) <= SMOOTH_REFLECTION;
+}
+
+/// An environment and the radiance of its image, kept until its tables are built: the pixels are freed before.
+struct NewSurroundings {
+    Environment environment;
+    RadianceMap map;  // empty without an image
+    bool smooth = true;
+
+    NewSurroundings(const SceneDraft& draft, const Environment& made) : environment(made) {
+        if (made.image == NO_INDEX) return;
+        map = radianceMap(draft.images[made.image], MOST_LIGHT_TEXELS);
+        smooth = hasSmoothSky(draft.images[made.image], map);
+    }
+
+    /// Builds the tables of the image, where its light is not smooth.
+    void addTables(Scene& scene) {
+        if (map.texels.empty()) return;
+        if (!smooth) environment.filtered = appendFiltered(scene, halvedTo(map, MOST_FILTERED_TEXELS));
+        if (concentrated(map) > LIGHT_IN_SKY) appendLightTable(scene, environment, map);
+    }
+};
+
+/// Surroundings that are offered, as a scene without anything else: their images and tables are the same for every scene.
+struct Offered {
+    Scene scene;
+
+    explicit Offered(ImageData image) {
+        SceneDraft draft;
+        draft.images.push_back(std::move(image));
+        NewSurroundings surroundings(draft, environmentOf(draft, 0, vec3(0.0f), 1.0f, 0.0f));
+        appendPyramid(scene, draft.images.front(), false);
+        surroundings.addTables(scene);
+        scene.environment = surroundings.environment;
+    }
+
+    /// Puts images and tables behind those of `to`.
+    Environment appendedTo(Scene& to) const {
+        const auto texels = static_cast<uint32_t>(to.texels.size()), levels = static_cast<uint32_t>(to.imageLevels.size()),
+                   images = static_cast<uint32_t>(to.images.size());
+        if (uint64_t(texels) + scene.texels.size() >= NO_INDEX)
+            throw InputError(to.name, std::to_string(texels) + " texels", "fewer than 4294967295 with the studio's");
+        to.texels.insert(to.texels.end(), scene.texels.begin(), scene.texels.end());
+        for (ImageLevel level : scene.imageLevels) {
+            level.firstTexel += texels;
+            to.imageLevels.push_back(level);
+        }
+        for (Image image : scene.images) {
+            image.firstLevel += levels;
+            to.images.push_back(image);
+        }
+        Environment environment = scene.environment;
+        environment.image += images;
+        if (environment.filtered != NO_INDEX) environment.filtered += images;
+        if (environment.lightColumns > 0) environment.lightTable += texels;
+        return environment;
+    }
+};
+
+// Made once, at the first scene that needs them.
+const Offered& studio() {
+    static const Offered made(paintStudio());
+    return made;
+}
+const Offered& clearDay() {
+    static const Offered made(paintClearDay());
+    return made;
+}
+
+bool standsInStudio(const SceneDraft& draft) {
+    return draft.hasStudio && draft.scene.fromFile && draft.lights.empty() && draft.environmentImage == NO_INDEX &&
+           !draft.environmentColor;
+}
+
+/// The scene's own; of one in the studio nothing yet.
+NewSurroundings ownSurroundings(SceneDraft& draft) {
+    draft.scene.inStudio = standsInStudio(draft);
+    const vec3 color = draft.environmentColor.value_or(DEFAULT_SURROUNDINGS);
+    return {draft, environmentOf(draft, draft.environmentImage, color, draft.environmentIntensity, draft.environmentRotation)};
+}
+
+void buildEnvironments(SceneDraft& draft, NewSurroundings& own) {
+    Scene& scene = draft.scene;
+    own.addTables(scene);
+    scene.environment = own.environment;
+    if (draft.offers) scene.offered = {studio().appendedTo(scene), clearDay().appendedTo(scene)};
+    if (scene.inStudio) scene.environment = draft.offers ? scene.offered.front() : studio().appendedTo(scene);
 }
 
 /// `lamps`: irradiance of the glowing surfaces.
 void buildLights(SceneDraft& draft, float lamps) {
     checkLights(draft);
     const bool image = draft.scene.environment.image != NO_INDEX;
+    // Only a file that means candela per square metre has surfaces that send more than white does.
+    const bool glows = std::ranges::any_of(draft.scene.materials, [](const Material& m) {
+        return std::max({m.emission.x, m.emission.y, m.emission.z}) > 1.0f;
+    });
+    draft.scene.litByFile = draft.scene.fromFile && (!draft.lights.empty() || glows);
     if (draft.lights.empty() && (image || lamps >= LAMPS_IRRADIANCE)) {
-        addWarning(draft, std::string("no light in the file: ") +
-                              (image ? "the environment image lights it" : "its glowing surfaces light it"));
+        addWarning(draft, std::string("no light in the file: ") + (draft.scene.inStudio ? "the studio lights it"
+                                                                   : image              ? "the environment image lights it"
+                                                                                        : "its glowing surfaces light it"));
     } else if (draft.lights.empty()) {
         Light light{};
         light.type = LIGHT_HEADLIGHT;
@@ -221,6 +302,12 @@ void SceneBuilder::setEnvironmentImage(uint32_t image, float intensity, float ro
 
 void SceneBuilder::setAoRadius(float metres) { data_->aoRadius = metres; }
 void SceneBuilder::setExposure(float ev) { data_->scene.exposure = ev; }
+void SceneBuilder::setFromFile() { data_->scene.fromFile = true; }
+void SceneBuilder::offerSurroundings(bool all) {
+    data_->hasStudio = true;
+    data_->offers = all;
+}
+
 void SceneBuilder::setAtRest(AtRest atRest) { data_->scene.atRest = std::move(atRest); }
 void SceneBuilder::setVariants(Variants variants) { data_->scene.variants = std::move(variants); }
 void SceneBuilder::setExtensions(std::vector<FileExtension> extensions) { data_->scene.extensions = std::move(extensions); }
@@ -240,16 +327,15 @@ std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
     report(progress, "geometry", 0.6);
     assembleMeshes(draft, opacityClasses(scene, imagesWithAlpha(draft.images)));
     report(progress, "geometry", 1.0);
-    buildEnvironment(draft);
-    const RadianceMap surroundings = environmentMap(draft);
-    const bool smooth = hasSmoothSky(draft, surroundings);
+    NewSurroundings surroundings = ownSurroundings(draft);
+    scene.surfaceImages = static_cast<uint32_t>(draft.images.size()) - (surroundings.environment.image != NO_INDEX ? 1 : 0);
     buildImages(draft, progress);
     report(progress, "images", 1.0);
-    buildEnvironmentTables(scene, surroundings, smooth);
+    buildEnvironments(draft, surroundings);
     buildLights(draft, appendEmitters(scene));
     placeParallelCameras(draft);
     checkCameras(draft);
-    if (scene.cameras.empty()) scene.cameras.push_back(defaultCamera(scene));
+    if (scene.cameras.empty()) scene.cameras.push_back(defaultCamera(scene, scene.framing));
     scene.aoRadius = draft.aoRadius.value_or(0.1f * scene.bounds.radius());
     if (!(scene.aoRadius > 0.0f)) scene.aoRadius = 0.1f;
     if (draft.warningsLeftOut > 0) scene.warnings.push_back("and " + std::to_string(draft.warningsLeftOut) + " more warnings");

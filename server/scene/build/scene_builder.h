@@ -55,6 +55,10 @@ public:
     void setEnvironmentImage(uint32_t image, float intensity = 1.0f, float rotation = 0.0f);
     void setAoRadius(float metres);
     void setExposure(float ev);
+    /// It comes from a file: shown as files are (ToneCurve, exposesViews).
+    void setFromFile();
+    /// A file without any light gets the studio. `all`: settings may choose that and the sky, whatever the scene.
+    void offerSurroundings(bool all);
     void setAtRest(AtRest atRest);
     void setVariants(Variants variants);
     void setExtensions(std::vector<FileExtension> extensions);

@@ -23,6 +23,8 @@ struct SceneDraft {
     float environmentIntensity = 1.0f;
     float environmentRotation = 0.0f;  // radians
     std::optional<float> aoRadius;     // metres
+    bool hasStudio = false;            // SceneBuilder::offerSurroundings
+    bool offers = false;               // the same, all of them
     uint64_t warningsLeftOut = 0;
     Scene scene;  // materials, textures, cameras, paths, warnings, name and exposure go here at once
 };

@@ -142,6 +142,32 @@ void appendMap(Scene& scene, uint32_t width, uint32_t height, const Value& value
     });
 }
 
+/// Irradiance of a map on any normal; knows the texels' directions, which take longer than all else.
+class IrradianceSum {
+public:
+    explicit IrradianceSum(const RadianceMap& map) : map_(map), directions_(map.texels.size()) {
+        for (uint32_t y = 0; y < map.height; y++)
+            for (uint32_t x = 0; x < map.width; x++) directions_[size_t(y) * map.width + x] = map.direction(x, y);
+    }
+
+    vec3 towards(vec3 normal) const {
+        dvec3 sum(0.0);
+        for (uint32_t y = 0; y < map_.height; y++) {
+            dvec3 row(0.0);
+            for (size_t i = size_t(y) * map_.width; i < size_t(y + 1) * map_.width; i++) {
+                const float cosine = glm::dot(normal, directions_[i]);
+                if (cosine > 0.0f) row += dvec3(map_.texels[i]) * double(cosine);
+            }
+            sum += row * map_.solidAngle(y);
+        }
+        return vec3(sum / std::numbers::pi);
+    }
+
+private:
+    const RadianceMap& map_;
+    std::vector<vec3> directions_;
+};
+
 /// Mean of the bilinear filter over each texel: 1/8, 6/8, 1/8 along both axes, so that what bleeds out of a sun is found too.
 std::vector<double> smoothed(const RadianceMap& map) {
     std::vector<double> result(map.texels.size());
@@ -191,26 +217,16 @@ RadianceMap radianceMap(const ImageData& image, uint64_t mostTexels) {
     return halvedTo(std::move(map), mostTexels);
 }
 
-vec3 irradianceTowards(const RadianceMap& map, vec3 normal) {
-    dvec3 sum(0.0);
-    for (uint32_t y = 0; y < map.height; y++) {
-        dvec3 row(0.0);
-        for (uint32_t x = 0; x < map.width; x++) {
-            const float cosine = glm::dot(normal, map.direction(x, y));
-            if (cosine > 0.0f) row += dvec3(map.texels[size_t(y) * map.width + x]) * double(cosine);
-        }
-        sum += row * map.solidAngle(y);
-    }
-    return vec3(sum / std::numbers::pi);
-}
+vec3 irradianceTowards(const RadianceMap& map, vec3 normal) { return IrradianceSum(map).towards(normal); }
 
 double ambientMisses(const RadianceMap& map, const Environment& unrotated) {
     const double mean = luminanceOf(vec3(unrotated.ambient[0]));
+    const IrradianceSum irradiance(map);
     double worst = 0.0;
     for (int i = 0; i < 27; i++) {
         if (i == 13) continue;
         const vec3 n = glm::normalize(vec3(float(i % 3 - 1), float(i / 3 % 3 - 1), float(i / 9 - 1)));
-        const double exact = luminanceOf(irradianceTowards(map, n));
+        const double exact = luminanceOf(irradiance.towards(n));
         worst = std::max(worst, std::abs(coefficients(unrotated, n) - exact) / std::max(exact, 0.1 * mean));
     }
     return worst;
@@ -259,7 +275,8 @@ uint32_t appendFiltered(Scene& scene, const RadianceMap& map) {
         appendMap(scene, 2 * height, height, [&](vec3 d) { return filteredAt(pyramid, lobe, d); });
     }
     const RadianceMap coarse = halvedTo(map, 128 * 64);
-    appendMap(scene, 128, 64, [&](vec3 n) { return irradianceTowards(coarse, n); });
+    const IrradianceSum irradiance(coarse);
+    appendMap(scene, 128, 64, [&](vec3 n) { return irradiance.towards(n); });
     scene.images.push_back(entry);
     return static_cast<uint32_t>(scene.images.size() - 1);
 }

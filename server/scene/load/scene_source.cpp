@@ -59,6 +59,7 @@ void fill(const std::string& text, SceneBuilder& builder, const Progress& progre
     const fs::path path(name);
     if (!fs::exists(path, error)) throw InputError(shown, "no such scene or file", recipeNames());
     const std::string extension = lowerExtension(path);
+    builder.setFromFile();
     if (extension == ".gltf" || extension == ".glb") {
         loadGltf(path, builder, progress, variant);
     } else if (extension == ".obj") {
@@ -87,8 +88,8 @@ SceneName sceneNameOf(const std::string& text, const std::function<bool(const st
 
 const std::vector<SceneRecipe>& sceneRecipes() { return generatedRecipes(); }
 
-std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std::string& environment,
-                                       const Progress& progress) {
+std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std::string& environment, const Progress& progress,
+                                       bool offers) {
     // Faults of the file that no check foresaw end here as errors of the file, too; what progress throws passes
     // through.
     std::atomic<bool> abandoned{false};  // progress may be called from worker threads
@@ -102,6 +103,7 @@ std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std:
     };
     try {
         SceneBuilder builder(nameOrPath);
+        builder.offerSurroundings(offers);
         fill(nameOrPath, builder, watched);
         surround(environment, builder, watched);
         return builder.finish(watched);

@@ -25,8 +25,9 @@ SceneName sceneNameOf(const std::string& text, const std::function<bool(const st
 const std::vector<SceneRecipe>& sceneRecipes();
 
 /// Generates or loads; `nameOrPath` may have a #VARIANT. `environment`: path of a lat-long image that replaces the scene's surroundings, or empty.
+/// `offers`: settings may choose other surroundings than the scene's own, which takes half a second the first time.
 /// Throws InputError for an unknown name, and for a file that is missing, truncated, hostile or too large.
 std::shared_ptr<const Scene> openScene(const std::string& nameOrPath, const std::string& environment = {},
-                                       const Progress& progress = {});
+                                       const Progress& progress = {}, bool offers = false);
 
 }  // namespace heliograph

@@ -154,8 +154,8 @@ TEST_F(CommandsTest, RenderTellsWhatItDid) {
     Outcome outcome = run({"render", "cornell", "--out", file("a.png"), "--size", "50x34", "--samples", "2", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     ordered_json json = ordered_json::parse(outcome.out);
-    EXPECT_EQ(keys(json), (std::vector<std::string>{"scene", "device", "width", "height", "samples", "effects", "ms", "rays",
-                                                    "tiles", "nonfinite_samples"}));
+    EXPECT_EQ(keys(json), (std::vector<std::string>{"scene", "device", "width", "height", "samples", "exposure", "effects",
+                                                    "ms", "rays", "tiles", "nonfinite_samples"}));
     EXPECT_EQ(keys(json["ms"]), (std::vector<std::string>{"load", "build", "render"}));
     EXPECT_EQ(json["scene"], "cornell");
     EXPECT_EQ(json["width"], 50);

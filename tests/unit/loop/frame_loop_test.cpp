@@ -139,6 +139,32 @@ TEST(FrameLoop, ANewerInputOfTheSameViewIsToldWithoutANewFilm) {
     EXPECT_EQ(s.device->calls, calls);
 }
 
+TEST(FrameLoop, AutomaticExposureIsHeldWhileTheCameraMoves) {
+    Stage s;
+    const auto asked = [](uint32_t id, bool moving) {
+        ViewRequest request = inputFrom(id, 2);
+        request.settings.autoExposure = Settings::choice("autoExposure", "on");
+        request.moving = moving;
+        return request;
+    };
+    const auto shown = [&](uint32_t id) {
+        EXPECT_TRUE(s.viewer.until([&] {
+            const auto& frames = s.viewer.frames;
+            return !frames.empty() && frames.back().view.inputId == id && frames.back().samples == 2;
+        }));
+        return s.viewer.frames.back().autoExposure;
+    };
+    const auto bright = [](float red) { return std::log2(0.18f / (LUMINANCE_RED * red)); };
+    s.loop.setScene(sceneOn(s.device), asked(3, false));
+    EXPECT_NEAR(shown(3).value(), bright(3.0f), 1e-3f);
+    s.loop.show(asked(48, true));
+    EXPECT_NEAR(shown(48).value(), bright(3.0f), 1e-3f);
+    s.loop.show(asked(49, false));
+    EXPECT_NEAR(shown(49).value(), bright(49.0f), 1e-3f);
+    s.loop.show(inputFrom(50, 2));  // automatic: not of a scene that comes along
+    EXPECT_FALSE(shown(50));
+}
+
 TEST(FrameLoop, FinishesTheFirstPassWhileTheCameraMoves) {
     Stage s;
     s.device->hold(true);

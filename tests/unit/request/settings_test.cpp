@@ -37,7 +37,7 @@ TEST(Settings, DefaultsAreTheTables) {
     EXPECT_FALSE(settings.ambientOcclusion);
     EXPECT_EQ(settings.aoSamples, 9u);
     EXPECT_EQ(settings.toJson()["tileWidth"], "32");
-    EXPECT_EQ(settings.toJson()["toneCurve"], "filmic");
+    EXPECT_EQ(settings.toJson()["toneCurve"], "automatic");
     EXPECT_EQ(settings.toJson()["contributionThreshold"].dump(), "0.004");
 }
 
@@ -75,7 +75,7 @@ TEST(Settings, RefusalNamesFieldValueAndRange) {
     EXPECT_EQ(refusal("samples", 0), "setting samples: 0; allowed: a whole number from 1 to 65536 (per pixel)");
     EXPECT_EQ(refusal("exposure", 11.5), "setting exposure: 11.5; allowed: a number from -10 to 10 (EV)");
     EXPECT_EQ(refusal("shadows", 1), "setting shadows: 1; allowed: true or false");
-    EXPECT_EQ(refusal("toneCurve", "hot"), "setting toneCurve: \"hot\"; allowed: one of filmic linear");
+    EXPECT_EQ(refusal("toneCurve", "hot"), "setting toneCurve: \"hot\"; allowed: one of automatic neutral filmic aces linear");
     EXPECT_THAT(refusal("sampels", 4), HasSubstr("setting: unknown name \"sampels\"; allowed: one of device hybridBalance"));
 }
 
@@ -139,7 +139,7 @@ TEST(Settings, SchemaDescribesEveryFieldOnce) {
 }
 
 TEST(Settings, AWordOfAChoiceIsItsIndex) {
-    static_assert(Settings::choice("toneCurve", "linear") == 1);
+    static_assert(Settings::choice("toneCurve", "linear") == 4);
     Settings settings;
     settings.set("device", "hybrid");
     EXPECT_EQ(settings.device, Settings::choice("device", "hybrid"));

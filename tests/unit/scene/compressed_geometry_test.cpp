@@ -59,7 +59,7 @@ void expectWave(const Scene& scene, const WavyGrid& grid, float place, float tur
         ASSERT_GT(glm::dot(glm::normalize(slope), vec3(vertex.normal)), 1.0f - turn);
     }
     EXPECT_NEAR(areaOf(scene), areaOf(*openBytes(plainGlb(grid))), 2e-3);
-    for (const std::string& warning : scene.warnings) EXPECT_THAT(warning, HasSubstr("headlight")) << warning;
+    for (const std::string& warning : scene.warnings) EXPECT_THAT(warning, HasSubstr("studio")) << warning;
 }
 
 TEST(DracoGeometry, IsWhatWasEncoded) {

@@ -140,7 +140,7 @@ TEST(GltfLoader, NeverLeavesItsFolder) {
             R"(,"images":[{"uri":")" + uri + R"("}],"textures":[{"source":0}],"materials":[{"emissiveTexture":{"index":0}}])";
         const std::string withImage = outer.write("scene/image.gltf", triangleJson("inside.bin", image));
         try {
-            EXPECT_EQ(openScene(withImage)->images.size(), 0u);
+            EXPECT_EQ(openScene(withImage)->surfaceImages, 0u);
         } catch (const InputError& error) {
             EXPECT_THAT(error.what(), ::testing::AnyOf(HasSubstr("/images/0/uri"), HasSubstr("no regular file")));
         }

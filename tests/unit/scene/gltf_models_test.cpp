@@ -70,7 +70,7 @@ void expectSound(const Scene& scene) {
     }
     for (const TextureSlot& slot : scene.textures) ASSERT_LT(slot.image, scene.images.size());
     ASSERT_FALSE(scene.cameras.empty());
-    ASSERT_TRUE(!scene.lights.empty() || scene.environment.emitterCount > 0);
+    ASSERT_TRUE(!scene.lights.empty() || scene.environment.emitterCount > 0 || scene.inStudio);
     ASSERT_LE(scene.bounds.low.x, scene.bounds.high.x);
 }
 

@@ -45,7 +45,7 @@ TEST(GltfPictures, ThoseThatAreMissingOrForbiddenAreTold) {
         SCOPED_TRACE(uri);
         const auto scene = open(image(uri), R"({"source":0})");
         EXPECT_EQ(scene->triangleCount(), 1u);
-        EXPECT_EQ(scene->images.size(), 0u);
+        EXPECT_EQ(scene->surfaceImages, 0u);
         EXPECT_THAT(scene->warnings, Contains(HasSubstr("image 0 is not drawn: ")));
     }
     EXPECT_THAT(open(image("../outside.png"), R"({"source":0})")->warnings,
@@ -74,7 +74,7 @@ TEST(GltfPictures, DataMayBeEscapedBrokenIntoLinesOrNamedInCapitals) {
                                    head + "base64," + escaped, head + "base64," + lines}) {
         SCOPED_TRACE(uri);
         const auto scene = open(image(uri), R"({"source":0})");
-        ASSERT_EQ(scene->images.size(), 1u);
+        ASSERT_EQ(scene->surfaceImages, 1u);
         EXPECT_EQ(scene->texels, open(image(PNG), R"({"source":0})")->texels);
     }
 }
@@ -84,8 +84,8 @@ TEST(GltfPictures, WebpIsReadWhereThereIsNothingElse) {
                       both = R"({"source":0,"extensions":{"EXT_texture_webp":{"source":1}}})";
     const std::string images = image(PNG) + "," + image(WEBP), name = R"("EXT_texture_webp")";
     const auto alone = open(images, webp, name), beside = open(images, both, name);
-    ASSERT_EQ(alone->images.size(), 1u);
-    ASSERT_EQ(beside->images.size(), 1u);
+    ASSERT_EQ(alone->surfaceImages, 1u);
+    ASSERT_EQ(beside->surfaceImages, 1u);
     EXPECT_THAT(alone->warnings, ::testing::Not(Contains(HasSubstr("not drawn: "))));
     EXPECT_NE(alone->contentHash, beside->contentHash);
     EXPECT_EQ(open(images, R"({"source":0})")->contentHash, beside->contentHash);
@@ -98,7 +98,7 @@ TEST(GltfPictures, BasisTexturesAreRefusedAlone) {
     EXPECT_THAT(scene->warnings, Contains(AllOf(HasSubstr("image 0 is not drawn: "), HasSubstr("KTX2"))));
     const auto beside =
         open(image(KTX2) + "," + image(PNG), R"({"source":1,"extensions":{"KHR_texture_basisu":{"source":0}}})", name);
-    EXPECT_EQ(beside->images.size(), 1u);
+    EXPECT_EQ(beside->surfaceImages, 1u);
     EXPECT_THROW(open(image(KTX2), R"({"extensions":{"KHR_texture_basisu":{"source":7}}})", name), InputError);
 }
 

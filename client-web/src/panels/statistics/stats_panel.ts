@@ -1,5 +1,6 @@
 // What the stream does, in figures: rate and delay, where a frame's time goes, rays, progress at rest, devices.
 
+import { exposureText } from '../../picture/exposure_text.js';
 import { autopilotRows, autopilotTitle } from './autopilot_rows.js';
 import { BarList } from './bar_list.js';
 import { FrameChart } from './chart.js';
@@ -266,6 +267,9 @@ export class StatsPanel {
     const { stats, lastFrame } = this.viewer_.state;
     const rate = this.viewer_.stream.receivedRate.amount(performance.now());
     this.fact('Picture', lastFrame === null ? UNKNOWN : frameSizeText(lastFrame));
+    const exposure = stats?.autoExposure ?? null;
+    if (exposure === null) this.dropFact('Automatic exposure');
+    else this.fact('Automatic exposure', exposureText(exposure));
     this.fact('Data rate', `${((rate * 8) / 1e6).toFixed(1)} Mbit/s`);
     this.fact('Beside tracing', stats === null ? UNKNOWN : `${percent(stats.overheadShare)} of a frame`);
     this.fact('Viewers', stats === null ? UNKNOWN : viewersText(stats));

@@ -5,6 +5,7 @@
 #include "server/device/vulkan/raster/raster_target.h"
 #include "server/request/frame_request.h"
 #include "server/scene/kernel_tables.h"
+#include "server/request/surroundings.h"
 
 #include <algorithm>
 #include <chrono>
@@ -29,7 +30,7 @@ public:
         : context_(vulkanContext(options)),
           gpu_(context_, withGraphics(context_->find(which))),
           pipelines_(gpu_),
-          frame_(gpu_, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {}
+          frame_(gpu_, sizeof(FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {}
 
     ~RasterDevice() override { vkDeviceWaitIdle(gpu_.handle()); }
 
@@ -55,7 +56,8 @@ public:
         if (!scene_) throw std::logic_error("render before load");
         FrameRequest whole = request;
         whole.effects.bits &= ~EFFECT_MANY_LIGHTS;  // without rays all lights are cheap
-        FrameConstants frame = frameConstants(scene_->scene(), whole);
+        const FrameData frame = frameData(scene_->scene(), whole);
+        background_ = backdropOf(scene_->scene(), request.settings);
         std::memcpy(frame_.data(), &frame, sizeof frame);
         if (!target_ || target_->size() != request.resolution) {
             target_.reset();
@@ -93,13 +95,12 @@ private:
         }
     }
 
-    // What nothing covers shows the surroundings' mean colour.
+    // What nothing covers shows one colour, for an image its mean.
     void addSample(TileResult& result) const {
-        vec3 background = vec3(scene_->scene().environment.color);
         for (uint32_t y = 0; y < result.tile.size.y; y++)
             for (uint32_t x = 0; x < result.tile.size.x; x++) {
                 vec4 pixel = target_->pixels()[size_t(result.tile.origin.y + y) * target_->size().x + result.tile.origin.x + x];
-                vec3 radiance = pixel.w > 0.0f ? vec3(pixel) : background;
+                vec3 radiance = pixel.w > 0.0f ? vec3(pixel) : background_;
                 if (!std::isfinite(radiance.x + radiance.y + radiance.z)) {
                     result.nonfiniteSamples++;
                     continue;
@@ -143,6 +144,7 @@ private:
     Gpu gpu_;
     RasterPipelines pipelines_;
     GpuBuffer frame_;
+    vec3 background_{0.0f};  // where nothing is
     std::unique_ptr<GpuScene> scene_;
     std::unique_ptr<RasterTarget> target_;
     std::mutex mutex_;

@@ -29,9 +29,7 @@ uint64_t BatchSize::samples() const {
 }
 
 Batch::Batch(Gpu& gpu, TracePipelines& pipelines, const GpuScene& scene)
-    : gpu_(gpu),
-      pipelines_(pipelines),
-      frame_(gpu, sizeof(FrameConstants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {
+    : gpu_(gpu), pipelines_(pipelines), frame_(gpu, sizeof(FrameData), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, Memory::upload) {
     VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     info.queryType = VK_QUERY_TYPE_TIMESTAMP;
     info.queryCount = 2;
@@ -117,7 +115,7 @@ void Batch::bindOutputs() {
     vkUpdateDescriptorSets(gpu_.handle(), 4, writes, 0, nullptr);
 }
 
-void Batch::submit(VkPipeline pipeline, VkPipeline firstSurface, const FrameConstants& frame) {
+void Batch::submit(VkPipeline pipeline, VkPipeline firstSurface, const FrameData& frame) {
     arrange();
     makeRoom();
     std::memcpy(frame_.data(), &frame, sizeof frame);

@@ -32,7 +32,7 @@ public:
     /// `firstSurface`: for the program whose paths end at their first surface.
     void add(const Tile& tile, bool firstSurface = false);
     /// The second program may be null if no tile was added for it.
-    void submit(VkPipeline pipeline, VkPipeline firstSurface, const FrameConstants& frame);
+    void submit(VkPipeline pipeline, VkPipeline firstSurface, const FrameData& frame);
     /// Waits for the batch; afterwards the results can be read until `clear`. Returns the GPU's seconds.
     double finish();
     size_t tileCount() const { return tiles_.size(); }

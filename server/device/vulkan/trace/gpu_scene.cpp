@@ -36,12 +36,13 @@ uint32_t varietiesOf(const Scene& scene) {
         note(slot.wrapU != WRAP_REPEAT || slot.wrapV != WRAP_REPEAT, VARIETY_WRAP);
     }
     for (const Image& image : scene.images) note(image.format == IMAGE_RGB9E5, VARIETY_SHARED_EXPONENT);
-    note(scene.environment.image != NO_INDEX, VARIETY_WRAP);  // a lat-long image ends at the poles
+    const bool surrounded = scene.environment.image != NO_INDEX || !scene.offered.empty();
+    note(surrounded, VARIETY_WRAP);  // a lat-long image ends at the poles
     return bits;
 }
 
 VkDescriptorType GpuScene::descriptorType(uint32_t index, uint32_t width) {
-    if (index == BINDING_FRAME || index == BINDING_ENVIRONMENT) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
+    if (index == BINDING_FRAME) return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
     if (width == 4 && index <= BINDING_BVH_TRIANGLES) return VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
     return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
@@ -126,7 +127,6 @@ void GpuScene::putArrays() {
     put(BINDING_IMAGE_LEVELS, "image levels", s.imageLevels.data(), s.imageLevels.size());
     put(BINDING_TEXELS, "images' texels", s.texels.data(), s.texels.size());
     put(BINDING_LIGHTS, "lights", s.lights.data(), s.lights.size());
-    put(BINDING_ENVIRONMENT, "environment", &s.environment, 1);
     put(BINDING_SOBOL, "tables", kernelTable().data(), kernelTable().size());
 }
 

@@ -4,6 +4,7 @@
 #include "server/base/log.h"
 #include "server/base/machine.h"
 #include "server/device/vulkan/trace/trace_work.h"
+#include "server/request/surroundings.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
@@ -278,7 +279,7 @@ private:
         try {
             const VkPipeline firstSurface = firstSurfaceFor(resident, request);
             work.fill(*batch, size_.samples(), firstSurface != VK_NULL_HANDLE);
-            batch->submit(pipelineFor(resident, request), firstSurface, frameConstants(*source_, request));
+            batch->submit(pipelineFor(resident, request), firstSurface, frameData(*source_, request));
         } catch (...) {
             batch->forget();
             inUse_.erase(batch);
@@ -345,7 +346,7 @@ private:
     // Batches in order: while one is traced, the one before is handed over.
     void renderAll(Resident& resident, const FrameRequest& request, std::span<const Tile> tiles, const TileSink& sink,
                    std::stop_token stop) {
-        FrameConstants frame = frameConstants(*source_, request);
+        const FrameData frame = frameData(*source_, request);
         VkPipeline pipeline = pipelineFor(resident, request);
         VkPipeline firstSurface = firstSurfaceFor(resident, request);
         const uint64_t wanted = wantedSamples(tiles);
@@ -400,7 +401,7 @@ private:
     FrameRequest firstRequest(const Settings& settings) const {
         FrameRequest request;
         request.settings = settings;
-        request.effects.bits = effectsOf(*source_).bits & allowedEffects(settings).bits;
+        request.effects = effectsUnder(*source_, effectsOf(*source_), settings);
         request.camera = source_->cameras.empty() ? Camera{} : cameraFrom(source_->cameras.front());
         return request;
     }
