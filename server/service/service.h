@@ -19,12 +19,12 @@ struct ServiceOptions {
     SocketOptions socket;
     std::vector<SceneRecipe> scenes;  // on offer; the first is where viewers start
     SceneCache::Opener openScene;
-    std::function<bool(const std::string&)> opensToo;  // names beside `scenes`, of which nobody is told; may be empty
-    DeviceOffer devices;                               // viewers choose between them
+    std::function<bool(const std::string&)> opensToo;    // names beside `scenes`, of which nobody is told; may be empty
+    DeviceOffer devices;                                 // viewers choose between them
     std::function<nlohmann::ordered_json()> poolReport;  // what viewers are told of render nodes; empty: there is no pool
-    Settings defaults;                                 // of every viewer
-    uint64_t pictureBytes = 2ull << 30;                // memory for the pictures of all viewers (film_shares.h)
-    SettingCaps caps;                                  // of every viewer
+    Settings defaults;                                   // of every viewer
+    uint64_t pictureBytes = 2ull << 30;                  // memory for the pictures of all viewers (film_shares.h)
+    SettingCaps caps;                                    // of every viewer
     double leastRate = 0.0;             // frames a second; a newcomer who would see fewer is refused (admission.h)
     std::chrono::seconds watchdog{20};  // a part that has not moved for so long is stuck
     std::chrono::milliseconds keepViews = KEPT_VIEW;  // of who has gone with a broken line, until it comes back
