@@ -347,7 +347,10 @@ void TileRun::note(const Assignment& assignment, uint32_t device, double predict
         delivered++;
     }
     if (delivered < assignment.tiles.size()) return;  // somebody else made a part, so the time means nothing
-    if (p.info.queues) busy = seconds *= p.info.streams;
+    if (p.info.queues) {  // as its streams wait for each other, the stamps of each hold a part of its time
+        seconds *= p.info.streams;
+        busy = seconds;
+    }
     records_.push_back(
         {p.info.name,
          {p.whole ? cost / p.info.streams : cost, predicted, p.info.stampsTiles && !p.whole ? seconds : busy, busy}});
