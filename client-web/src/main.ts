@@ -9,6 +9,8 @@ import { EffectsPanel } from './panels/effects/effects_panel.js';
 import { attachFocus } from './page/focus.js';
 import { HelpDialog } from './page/help.js';
 import { attachKeyboard, attachPointers } from './camera/input.js';
+import { isLightRow } from './panels/light/light_rows.js';
+import { LightPanel } from './panels/light/light_panel.js';
 import { Panel } from './panels/panel.js';
 import { PickView } from './panels/pick/pick_view.js';
 import { ErrorView, toggleErrors } from './panels/errors/error_view.js';
@@ -173,6 +175,20 @@ function attachKeys(
   });
 }
 
+function makePanels(viewer: Viewer): Readonly<Record<'statistics' | 'light' | 'settings' | 'effects', Panel>> {
+  const group: Panel[] = [];
+  const roomy = window.matchMedia('(min-width: 1281px) and (min-height: 721px)').matches; // else too little picture is left
+  const statistics = new Panel('statistics', 'Statistics', group, roomy);
+  const light = new Panel('light', 'Light', group, false);
+  const settings = new Panel('settings', 'Settings', group);
+  const effects = new Panel('effects', 'Effects', group, false);
+  new StatsPanel(statistics, viewer);
+  const lights = new LightPanel(light, viewer);
+  new SettingsPanel(settings, viewer, { title: 'Light', has: isLightRow, open: (name) => lights.open(name) });
+  new EffectsPanel(effects, viewer);
+  return { statistics, light, settings, effects };
+}
+
 function start(): void {
   const canvas = document.querySelector('canvas')!;
   const page = document.querySelector<HTMLElement>('#page')!;
@@ -186,15 +202,7 @@ function start(): void {
   const announce = (text: string): void => setText(live, text);
   attachMessages(viewer, toasts, announce);
 
-  const group: Panel[] = [];
-  const roomy = window.matchMedia('(min-width: 1281px) and (min-height: 721px)').matches; // else too little picture is left
-  const statistics = new Panel('statistics', 'Statistics', group, roomy);
-  const settings = new Panel('settings', 'Settings', group);
-  const effects = new Panel('effects', 'Effects', group, false);
-  new StatsPanel(statistics, viewer);
-  new SettingsPanel(settings, viewer);
-  new EffectsPanel(effects, viewer);
-
+  const panels = makePanels(viewer);
   const help = new HelpDialog();
   const restore = iconButton('show', 'Show panels', 'F1', 'restore');
   const togglePanels = (): void => {
@@ -203,7 +211,7 @@ function start(): void {
   };
   restore.addEventListener('click', togglePanels);
   const hooks = { help: () => help.toggle(), hide: togglePanels, ...sharing(viewer, toasts) };
-  const dock = new Dock(viewer, { statistics, settings, effects }, hooks);
+  const dock = new Dock(viewer, panels, hooks);
   const banner = new Banner(viewer, announce);
   const partition = new PartitionView(viewer, announce);
   const errors = new ErrorView(viewer, announce);
@@ -219,8 +227,8 @@ function start(): void {
     pick.card,
     new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts, () => upload.choose())).element,
     dock.element, // before the panels, whose many fields would stand between it and the picture
-    statistics.element,
-    el('div', { class: 'column' }, settings.element, effects.element),
+    panels.statistics.element,
+    el('div', { class: 'column' }, panels.light.element, panels.settings.element, panels.effects.element),
     restore,
     banner.element,
     toasts.element,

@@ -7,12 +7,13 @@ import { join } from 'node:path';
 import { fakeChecks } from './fake_test.mjs';
 import { doorChecks } from './door_test.mjs';
 import { keyChecks } from './keys_test.mjs';
+import { lightChecks } from './light_test.mjs';
 import { linkChecks } from './link_test.mjs';
 import { poolChecks } from './pool_test.mjs';
 import { panelChecks } from './panels_test.mjs';
 import { pickChecks } from './pick_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
-import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
+import { Browser, Checks, expect, freePort, outFolder, pause, Server, typeNumber, until } from './page.mjs';
 import { streamChecks } from './stream_test.mjs';
 import { resumeChecks } from './resume_test.mjs';
 import { uploadChecks } from './upload_test.mjs';
@@ -67,11 +68,7 @@ async function drag(from, to, steps = 8) {
   await page.mouse.up();
 }
 
-async function setNumber(name, value) {
-  const input = field(name).locator('.number-field');
-  await input.fill(String(value));
-  await input.press('Enter');
-}
+const setNumber = (name, value) => typeNumber(page, name, value);
 
 function noProblems() {
   expect(browser.problems.length === 0, browser.problems.join('\n'));
@@ -369,7 +366,7 @@ async function phoneChecks(name, viewport) {
       .click({ timeout: 500 })
       .catch(() => undefined);
     await screenshot(name);
-    for (const label of ['Stats', 'Settings']) {
+    for (const label of ['Stats', 'Light', 'Settings']) {
       await page.locator('.dock').getByRole('button', { name: label }).tap();
       await pause(400);
       const bad = [...(await badControls(page)), ...(await overlaps(page))];
@@ -406,6 +403,7 @@ try {
   await keyChecks(checks);
   await doorChecks(checks);
   await panelChecks(checks);
+  await lightChecks(checks);
   await pickChecks(checks);
   await linkChecks(checks);
   await viewsChecks(checks);

@@ -345,6 +345,7 @@ class FakeViewer {
         ],
       },
       autopilot: this.autopilot(),
+      ...(this.settings.autoExposure === 'on' ? { autoExposure: 1.26 } : {}),
       rays: {
         primary: 1296000,
         shadow: 2310400,

@@ -269,7 +269,7 @@ async function phoneChecks(checks) {
       await page.touchscreen.tap(box.x + box.width * (1.2 / 12.4), box.y + (box.height * 2.5) / 7);
       const words = await page.locator('.timeline-words').textContent();
       expect(words.startsWith('embree worker 2: 14 cells'), words);
-      for (const label of ['Stats', 'Settings', 'Effects']) {
+      for (const label of ['Stats', 'Light', 'Settings', 'Effects']) {
         await page.locator('.dock').getByRole('button', { name: label }).tap();
         await pause(300);
         const bad = [...(await badControls(page)), ...(await overlaps(page))];

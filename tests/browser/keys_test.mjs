@@ -3,7 +3,7 @@
 
 import { pathToFileURL } from 'node:url';
 import { Session } from './fake_session.mjs';
-import { Checks, expect, pause, until } from './page.mjs';
+import { Checks, expect, pause, typeNumber, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
 
@@ -63,9 +63,7 @@ async function buttons(checks, session) {
     expect((await pressed(page, 'Stats')) === before, 'not pressed by Enter alone');
   });
   await checks.check('Enter in a number field sets the value, and W flies', async () => {
-    const field = session.field('exposure').locator('.number-field');
-    await field.fill('1');
-    await field.press('Enter');
+    await typeNumber(page, 'exposure', 1);
     await until('the echo', 5000, async () => (await session.state()).settings.exposure === 1);
     const flown = await moves(session, async () => {
       await page.keyboard.down('w');

@@ -4,7 +4,7 @@
 import { pathToFileURL } from 'node:url';
 import { Session } from './fake_session.mjs';
 import { difference, picture } from './look.mjs';
-import { Browser, Checks, expect, pause, until } from './page.mjs';
+import { Browser, Checks, expect, pause, typeNumber, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
 
@@ -21,9 +21,7 @@ async function fly(session) {
 }
 
 async function exposure(session, value) {
-  const field = session.field('exposure').locator('.number-field');
-  await field.fill(String(value));
-  await field.press('Enter');
+  await typeNumber(session.page, 'exposure', value);
   await until('the echo', 5000, async () => (await session.state()).settings.exposure === value);
 }
 

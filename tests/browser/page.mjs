@@ -38,6 +38,23 @@ export async function until(what, ms, check) {
   }
 }
 
+/** Unfolds the panel in which the setting stands. */
+export async function unfoldFor(page, name) {
+  const panel = page.locator('.panel', { has: page.locator(`[data-setting="${name}"]`) });
+  const id = await panel.getAttribute('id');
+  const folded = await panel.evaluate((element) => element.classList.contains('folded'));
+  const label = { 'light-panel': 'Light', 'settings-panel': 'Settings' }[id];
+  if (folded) await page.locator('.dock').getByRole('button', { name: label }).click();
+}
+
+/** Types a number into the field of a setting, as a person would. */
+export async function typeNumber(page, name, value) {
+  await unfoldFor(page, name);
+  const field = page.locator(`[data-setting="${name}"] .number-field`);
+  await field.fill(String(value));
+  await field.press('Enter');
+}
+
 export function freePort() {
   return new Promise((done, failed) => {
     const probe = createServer();

@@ -4,7 +4,7 @@
 import { pathToFileURL } from 'node:url';
 import { Session } from './fake_session.mjs';
 import { badControls, overlaps } from './look.mjs';
-import { Checks, expect, pause, until } from './page.mjs';
+import { Checks, expect, pause, unfoldFor, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
 const focused = (page) => page.evaluate(() => document.activeElement.tagName);
@@ -82,6 +82,7 @@ async function errorMap(checks, session) {
 async function numbers(checks, session) {
   const { page } = session;
   const field = session.field('exposure').locator('.number-field');
+  await unfoldFor(page, 'exposure');
   const is = (value) =>
     until(`exposure ${value}`, 5000, async () => (await session.state()).settings.exposure === value);
   await checks.check('a decimal comma is one, and arrows step by the range', async () => {

@@ -5,7 +5,7 @@ import { connect, createServer } from 'node:net';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { badControls, overlaps } from './look.mjs';
-import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
+import { Browser, Checks, expect, freePort, outFolder, pause, Server, typeNumber, until } from './page.mjs';
 
 const SIZE = { width: 1100, height: 700 };
 const WATCHING = 'You watch a view of somebody else';
@@ -78,9 +78,7 @@ class Tab {
 
   async set(name, value) {
     await this.page.evaluate(() => document.querySelectorAll('details').forEach((group) => (group.open = true)));
-    const input = this.page.locator(`[data-setting="${name}"]`).locator('.number-field');
-    await input.fill(String(value));
-    await input.press('Enter');
+    await typeNumber(this.page, name, value);
     await until(`the echo of ${name}`, 5000, async () => (await this.state()).settings[name] === value);
   }
 

@@ -4,7 +4,7 @@
 import { pathToFileURL } from 'node:url';
 import { Session } from './fake_session.mjs';
 import { badControls } from './look.mjs';
-import { Checks, expect, pause, until } from './page.mjs';
+import { Checks, expect, pause, typeNumber, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
 const far = (a, b) => Math.hypot(...a.map((value, i) => value - b[i]));
@@ -16,9 +16,7 @@ async function chooseView(page, label) {
 }
 
 async function setExposure(session, value) {
-  const field = session.field('exposure').locator('.number-field');
-  await field.fill(String(value));
-  await field.press('Enter');
+  await typeNumber(session.page, 'exposure', value);
   await until('the echo', 5000, async () => (await session.state()).settings.exposure === value);
 }
 

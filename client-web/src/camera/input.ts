@@ -4,13 +4,15 @@ import type { CameraController } from './camera_controller.js';
 import { HELD_KEYS, keyUse, type FocusedControl } from './key_use.js';
 import { LongPress } from './long_press.js';
 
+const SLIDERS: readonly string[] = ['checkbox', 'radio', 'range'];
 const LINE_PIXELS = 33; // a wheel event in lines: three lines are about one notch
 
 function controlOf(target: EventTarget | null): FocusedControl {
   if (!(target instanceof Element)) return 'none';
   if (target.closest('dialog, [role="menu"]') || document.querySelector('dialog[open]') !== null) return 'dialog';
+  if (target.closest('[role="slider"]') !== null) return 'slider';
   const field = target.closest('input, select, textarea');
-  if (field instanceof HTMLInputElement && (field.type === 'checkbox' || field.type === 'range')) return 'slider';
+  if (field instanceof HTMLInputElement && SLIDERS.includes(field.type)) return 'slider';
   if (field !== null) return 'text';
   return target.closest('button, summary, a') === null ? 'none' : 'button';
 }

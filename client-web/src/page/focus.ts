@@ -4,7 +4,7 @@
 const FRAME = 'framed';
 
 /** After a click by mouse or finger these have nothing more to take from the keyboard. */
-const DONE_BY_CLICK = 'button, summary, input[type="checkbox"], input[type="range"]';
+const DONE_BY_CLICK = 'button, summary, input[type="checkbox"], input[type="radio"], input[type="range"], [role="slider"]';
 /** These keep the focus, or have just given it to what they opened. */
 const KEEPS = 'dialog, form, [role="menu"], [aria-haspopup], [aria-expanded="true"]:not(summary, .panel-head, .help-button)';
 

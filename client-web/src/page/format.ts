@@ -45,3 +45,6 @@ export function percent(share: number): string {
 
 /** A setting's number: no trailing zeros, no rounding noise of 32-bit floats. */
 export const settingNumber = (value: number): string => String(Number(value.toPrecision(6)));
+
+/** A unit of the server's table as people read it. */
+export const unitWord = (unit: string): string => ({ deg: 'degrees', x: '×' })[unit] ?? unit;

@@ -93,11 +93,13 @@ export class SceneBar {
       label: displayName(camera.name),
       choose: () => this.viewer_.jumpTo(camera),
     }));
+    const path = { label: 'Play the path', description: 'A benchmark: along the scene’s own way, as F2' };
     const compare = { label: 'Compare', description: 'Freezes this picture, to wipe between it and what comes' };
     return [
       { label: 'Reset view', hint: 'R', choose: () => this.viewer_.resetView() },
       ...named,
       ...this.hooks_.views(),
+      ...((this.viewer_.state.ready?.paths.length ?? 0) > 0 ? [{ ...path, choose: () => this.viewer_.togglePath() }] : []),
       { ...compare, choose: this.hooks_.compare },
     ];
   }
@@ -193,12 +195,12 @@ export interface DockHooks {
 export class Dock {
   readonly element: HTMLElement;
   private readonly mode_ = iconButton('fly', 'Fly', 'O', 'tool');
-  private readonly path_ = iconButton('play', 'Path', 'F2', 'tool');
+  private readonly path_ = iconButton('play', 'Path', 'F2', 'tool path');
   private readonly save_ = iconButton('save', 'Save', 'F3', 'tool');
 
   constructor(
     private readonly viewer_: Viewer,
-    panels: { readonly statistics: Panel; readonly settings: Panel; readonly effects: Panel },
+    panels: Readonly<Record<'statistics' | 'light' | 'settings' | 'effects', Panel>>,
     private readonly hooks_: DockHooks,
   ) {
     const help = iconButton('help', 'Help', 'H', 'tool');
@@ -217,6 +219,7 @@ export class Dock {
       save.element,
       separator(),
       this.panelButton('chart', 'Stats', panels.statistics),
+      this.panelButton('bulb', 'Light', panels.light),
       this.panelButton('sliders', 'Settings', panels.settings),
       this.panelButton('sparkle', 'Effects', panels.effects),
       separator(),

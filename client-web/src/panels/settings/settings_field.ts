@@ -1,10 +1,10 @@
 // One setting as a control: switch, slider with number, or choice; with its unit, help, price and error.
 
 import { el, icon, setText, uniqueId } from '../../page/dom.js';
-import { settingNumber } from '../../page/format.js';
+import { settingNumber, unitWord } from '../../page/format.js';
 import type { SettingRow, SettingValue } from '../../wire/protocol.js';
 import { parseNumber } from './number_text.js';
-import { fromSlider, SLIDER_STEPS, stepped, toSlider } from './slider_scale.js';
+import { POWER_SCALE, SLIDER_STEPS, type SliderScale } from './slider_scale.js';
 
 const PRICES: Readonly<Record<string, { readonly tag: string; readonly text: string }>> = {
   up: { tag: '↑ exact, slower', text: 'Higher is more exact and slower.' },
@@ -22,6 +22,19 @@ export interface FieldHooks {
   preset?(): SettingValue;
 }
 
+/** The parts of a control: `inline` stands beside the label, `below` under it. */
+export interface Built {
+  readonly control: HTMLElement;
+  readonly inline: readonly HTMLElement[];
+  readonly below: readonly HTMLElement[];
+  readonly show: (value: SettingValue) => void;
+  /** Where the control itself takes no focus. */
+  readonly focus?: () => void;
+}
+
+/** Makes the control of a row; `id` is for what the label names. */
+export type ControlMaker = (row: SettingRow, id: string, hooks: FieldHooks) => Built;
+
 export class SettingField {
   readonly element: HTMLElement;
   private readonly error_ = el('p', { class: 'field-error', role: 'alert', hidden: true });
@@ -29,10 +42,12 @@ export class SettingField {
   private readonly reset_: HTMLButtonElement;
   private readonly show_: (value: SettingValue) => void;
   private readonly control_: HTMLElement;
+  private readonly focus_: () => void;
 
   constructor(
     private readonly row_: SettingRow,
-    private readonly hooks_: FieldHooks,
+    hooks: FieldHooks,
+    make: ControlMaker = makerOf(row_),
   ) {
     const id = uniqueId('setting');
     this.error_.id = `${id}-error`;
@@ -50,18 +65,15 @@ export class SettingField {
     );
     this.reset_.addEventListener('click', () => {
       const focused = document.activeElement === this.reset_;
-      hooks_.changed(hooks_.preset?.() ?? row_.default);
-      if (focused) this.control_.focus(); // the button goes, and would take the focus along
+      hooks.changed(hooks.preset?.() ?? row_.default);
+      if (focused) this.focus(); // the button goes, and would take the focus along
     });
-    const label = el('label', { for: id }, row_.label);
-    const built =
-      row_.type === 'bool'
-        ? this.buildSwitch(id)
-        : row_.type === 'choice'
-          ? this.buildChoice(id)
-          : this.buildNumber(id);
+    const built = make(row_, id, hooks);
+    const group = built.control.getAttribute('role') === 'radiogroup';
+    const label = el(group ? 'span' : 'label', group ? { class: 'label', id: `${id}-label` } : { for: id }, row_.label);
     this.show_ = built.show;
     this.control_ = built.control;
+    this.focus_ = built.focus ?? (() => built.control.focus());
     this.control_.setAttribute('aria-describedby', `${id}-help ${id}-error ${id}-note`);
     const head = el(
       'div',
@@ -82,6 +94,10 @@ export class SettingField {
       this.note_,
       help.text,
     );
+  }
+
+  focus(): void {
+    this.focus_();
   }
 
   /** `isDefault` hides the reset button without moving anything. */
@@ -108,6 +124,7 @@ export class SettingField {
     for (const control of this.element.querySelectorAll<HTMLInputElement | HTMLSelectElement>('input, select')) {
       control.disabled = disabled;
     }
+    for (const dial of this.element.querySelectorAll('[role="slider"]')) dial.setAttribute('aria-disabled', String(disabled));
     this.element.classList.toggle('disabled', disabled);
   }
 
@@ -134,72 +151,89 @@ export class SettingField {
     const tag = price === undefined ? null : el('span', { class: 'price', 'aria-hidden': 'true' }, price.tag);
     return { button, price: tag, text };
   }
+}
 
-  private buildSwitch(id: string): Built {
-    const input = el('input', { type: 'checkbox', role: 'switch', class: 'switch', id });
-    input.addEventListener('change', () => this.hooks_.changed(input.checked));
-    return { control: input, inline: [input], below: [], show: (value) => (input.checked = value === true) };
-  }
+const switchControl: ControlMaker = (_row, id, hooks) => {
+  const input = el('input', { type: 'checkbox', role: 'switch', class: 'switch', id });
+  input.addEventListener('change', () => hooks.changed(input.checked));
+  return { control: input, inline: [input], below: [], show: (value) => (input.checked = value === true) };
+};
 
-  private buildChoice(id: string): Built {
-    const select = el('select', { id }, ...this.row_.choices.map((choice) => el('option', { value: choice }, choice)));
-    select.addEventListener('change', () => this.hooks_.changed(select.value));
-    return { control: select, inline: [select], below: [], show: (value) => (select.value = String(value)) };
-  }
+const choiceControl: ControlMaker = (row, id, hooks) => {
+  const select = el('select', { id }, ...row.choices.map((choice) => el('option', { value: choice }, choice)));
+  select.addEventListener('change', () => hooks.changed(select.value));
+  return { control: select, inline: [select], below: [], show: (value) => (select.value = String(value)) };
+};
 
-  private buildNumber(id: string): Built {
-    const row = this.row_;
-    const unit = row.unit === '' ? '' : ` ${row.unit}`;
-    const number = numberInput(row, id);
+/** A number to type, whose arrow keys step by the range. */
+export function numberControl(row: SettingRow, id: string, hooks: FieldHooks, scale: SliderScale): NumberControl {
+  const number = numberInput(row, id);
+  let value = typeof row.default === 'number' ? row.default : row.low;
+  let typing = false; // what comes from the server meanwhile does not take the text away
+  number.addEventListener('input', () => (typing = true));
+  number.addEventListener('blur', () => {
+    if (typing) number.value = settingNumber(value); // as it was: nothing has changed
+    typing = false;
+  });
+  number.addEventListener('change', () => {
+    typing = false;
+    const typed = parseNumber(number.value);
+    if (typed !== null) return hooks.changed(typed);
+    number.value = settingNumber(value);
+    hooks.invalid(`${row.name}: not a number, allowed: ${settingNumber(row.low)} to ${settingNumber(row.high)}`);
+  });
+  const step = (event: KeyboardEvent, keys: Readonly<Record<string, number>>): void => {
+    const direction = keys[event.code];
+    if (direction === undefined) return;
+    event.preventDefault();
+    typing = false;
+    hooks.changed(scale.stepped(row, value, Math.sign(direction), Math.abs(direction) > 1));
+    number.value = settingNumber(value);
+  };
+  number.addEventListener('keydown', (event) => step(event, NUMBER_KEYS));
+  const show = (next: number): void => {
+    value = next;
+    const shown = document.activeElement === number && parseNumber(number.value) === next;
+    if (!typing && !shown) number.value = settingNumber(next);
+    number.setAttribute('aria-valuenow', settingNumber(next));
+  };
+  return { input: number, show, value: () => value, keys: (event) => step(event, SLIDER_KEYS) };
+}
+
+/** A slider with the number beside it. */
+export const sliderControl =
+  (scale: SliderScale): ControlMaker =>
+  (row, id, hooks) => {
+    const unit = row.unit === '' ? '' : ` ${unitWord(row.unit)}`;
+    const number = numberControl(row, id, hooks, scale);
     const slider = el('input', { type: 'range', min: 0, max: SLIDER_STEPS, step: 'any', 'aria-label': row.label });
-    let value = typeof row.default === 'number' ? row.default : row.low;
-    let typing = false; // what comes from the server meanwhile does not take the text away
-    number.addEventListener('input', () => (typing = true));
-    number.addEventListener('blur', () => {
-      if (typing) number.value = settingNumber(value); // as it was: nothing has changed
-      typing = false;
-    });
-    number.addEventListener('change', () => {
-      typing = false;
-      const typed = parseNumber(number.value);
-      if (typed === null) {
-        number.value = settingNumber(value);
-        this.hooks_.invalid(
-          `${row.name}: not a number, allowed: ${settingNumber(row.low)} to ${settingNumber(row.high)}`,
-        );
-      } else {
-        this.hooks_.changed(typed);
-      }
-    });
     slider.addEventListener('input', () => {
-      const next = fromSlider(row, slider.valueAsNumber);
-      if (next !== value) this.hooks_.changed(next);
+      const next = scale.from(row, slider.valueAsNumber);
+      if (next !== number.value()) hooks.changed(next);
     });
-    const step = (event: KeyboardEvent, keys: Readonly<Record<string, number>>): void => {
-      const direction = keys[event.code];
-      if (direction === undefined) return;
-      event.preventDefault();
-      typing = false;
-      this.hooks_.changed(stepped(row, value, Math.sign(direction), Math.abs(direction) > 1));
-      number.value = settingNumber(value);
-    };
-    slider.addEventListener('keydown', (event) => step(event, SLIDER_KEYS));
-    number.addEventListener('keydown', (event) => step(event, NUMBER_KEYS));
+    slider.addEventListener('keydown', number.keys);
     const show = (next: SettingValue): void => {
       if (typeof next !== 'number') return;
-      value = next;
-      const shown = document.activeElement === number && parseNumber(number.value) === next;
-      if (!typing && !shown) number.value = settingNumber(next);
-      number.setAttribute('aria-valuenow', settingNumber(next));
-      const position = toSlider(row, next);
+      number.show(next);
+      const position = scale.to(row, next);
       if (document.activeElement !== slider || Math.abs(slider.valueAsNumber - position) > 5)
         slider.value = String(position);
       slider.style.setProperty('--share', String(position / SLIDER_STEPS));
       slider.setAttribute('aria-valuetext', settingNumber(next) + unit);
     };
-    const below = el('div', { class: 'number' }, slider, number, el('span', { class: 'unit' }, row.unit));
-    return { control: number, inline: [], below: [below], show };
-  }
+    const below = el('div', { class: 'number' }, slider, number.input, el('span', { class: 'unit' }, unitWord(row.unit)));
+    return { control: number.input, inline: [], below: [below], show };
+  };
+
+const makerOf = (row: SettingRow): ControlMaker =>
+  row.type === 'bool' ? switchControl : row.type === 'choice' ? choiceControl : sliderControl(POWER_SCALE);
+
+export interface NumberControl {
+  readonly input: HTMLInputElement;
+  show(value: number): void;
+  value(): number;
+  /** The same steps by the keys of a slider. */
+  keys(event: KeyboardEvent): void;
 }
 
 function numberInput(row: SettingRow, id: string): HTMLInputElement {
@@ -215,12 +249,6 @@ function numberInput(row: SettingRow, id: string): HTMLInputElement {
   });
 }
 
-interface Built {
-  readonly control: HTMLElement;
-  readonly inline: readonly HTMLElement[];
-  readonly below: readonly HTMLElement[];
-  readonly show: (value: SettingValue) => void;
-}
 
 const NUMBER_KEYS: Readonly<Record<string, number>> = { ArrowDown: -1, ArrowUp: 1, PageDown: -2, PageUp: 2 };
 const SLIDER_KEYS: Readonly<Record<string, number>> = { ...NUMBER_KEYS, ArrowLeft: -1, ArrowRight: 1 };

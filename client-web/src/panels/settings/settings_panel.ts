@@ -43,6 +43,13 @@ const FIELD_OF_VIEW_ROW: SettingRow = {
 
 const DEFAULT_RESOLUTION: ResolutionMode = 'capped';
 
+/** Another panel that has rows of the server's table, and none of them stands twice. */
+export interface OtherPanel {
+  readonly title: string;
+  has(row: SettingRow): boolean;
+  open(name: string): void;
+}
+
 export class SettingsPanel {
   private readonly fields_ = new Map<string, SettingField>();
   private readonly tools_: SettingsTools;
@@ -56,11 +63,13 @@ export class SettingsPanel {
   constructor(
     private readonly panel_: Panel,
     private readonly viewer_: Viewer,
+    private readonly other_: OtherPanel,
   ) {
     const start = (row: SettingRow): SettingValue => viewer_.settings.default(row);
     this.tools_ = new SettingsTools(
       (preset) => viewer_.setSettings(presetValues(preset, viewer_.settings.rows, start)),
       () => this.filter(),
+      (row) => other_.open(row.name),
     );
     panel_.body.append(el('p', { class: 'muted' }, 'The settings appear when the server answers.'));
     viewer_.on(['hello'], () => this.build());
@@ -73,7 +82,7 @@ export class SettingsPanel {
 
   private build(): void {
     const schema = this.viewer_.state.hello?.schema ?? [];
-    const rows = this.viewer_.settings.rows;
+    const rows = this.viewer_.settings.rows.filter((row) => !this.other_.has(row));
     this.fields_.clear();
     this.fieldOfViewRow_ = { ...FIELD_OF_VIEW_ROW, ...schema.find((row) => row.name === FIELD_OF_VIEW_ROW.name) };
     const own: Readonly<Record<string, () => readonly HTMLElement[]>> = {
@@ -215,7 +224,9 @@ export class SettingsPanel {
     for (const row of model.rows) this.fields_.get(row.name)?.element.toggleAttribute('hidden', !fits(row));
     for (const own of this.panel_.body.querySelectorAll('[data-setting=fieldOfView], [data-setting=resolution]'))
       own.toggleAttribute('hidden', onlyDiffering || !(own.textContent ?? '').toLowerCase().includes(search.toLowerCase()));
-    const shown = this.panel_.body.querySelectorAll('.field:not([hidden])').length;
+    const elsewhere = filters ? model.rows.filter((row) => this.other_.has(row) && fits(row)) : [];
+    this.tools_.showElsewhere(this.other_.title, elsewhere);
+    const shown = this.panel_.body.querySelectorAll('.field:not([hidden])').length + elsewhere.length;
     for (const group of this.panel_.body.querySelectorAll('details')) {
       group.hidden = group.querySelector('.field:not([hidden])') === null;
       group.classList.toggle('searched', filters); // what a search opens is not remembered

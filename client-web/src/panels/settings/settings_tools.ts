@@ -1,6 +1,7 @@
 // Above the rows: presets, a search over them, and what differs from the preset.
 
 import { el, setText } from '../../page/dom.js';
+import type { SettingRow } from '../../wire/protocol.js';
 import { PRESETS, type Preset } from './presets.js';
 
 export class SettingsTools {
@@ -11,7 +12,14 @@ export class SettingsTools {
   private readonly differing_ = el('button', { type: 'button', class: 'differing', 'aria-pressed': 'false' });
   private readonly none_ = el('p', { class: 'field-note', role: 'status' });
 
-  constructor(choose: (preset: Preset) => void, filtered: () => void) {
+  private readonly elsewhere_ = el('div', { class: 'elsewhere' });
+  private elsewhereNames_ = '';
+
+  constructor(
+    choose: (preset: Preset) => void,
+    filtered: () => void,
+    private readonly open_: (row: SettingRow) => void,
+  ) {
     this.presets_.append(...PRESETS.map(({ name, label }) => el('option', { value: name }, label)), this.own_);
     this.presets_.addEventListener('change', () => {
       const preset = PRESETS.find(({ name }) => name === this.presets_.value);
@@ -29,7 +37,7 @@ export class SettingsTools {
       filtered();
     });
     const line = el('div', { class: 'settings-tools' }, this.presets_, this.differing_);
-    this.element = el('div', {}, line, this.search_, this.none_);
+    this.element = el('div', {}, line, this.search_, this.none_, this.elsewhere_);
   }
 
   get search(): string {
@@ -38,6 +46,19 @@ export class SettingsTools {
 
   get onlyDiffering(): boolean {
     return this.differing_.getAttribute('aria-pressed') === 'true';
+  }
+
+  /** Rows that are meant and stand in the panel `title`, as buttons that lead there. */
+  showElsewhere(title: string, rows: readonly SettingRow[]): void {
+    const names = rows.map(({ name }) => name).join();
+    if (names === this.elsewhereNames_) return;
+    this.elsewhereNames_ = names;
+    const buttons = rows.map((row) => {
+      const button = el('button', { type: 'button', class: 'wide-button' }, `${row.label}: in the panel ${title}`);
+      button.addEventListener('click', () => this.open_(row));
+      return button;
+    });
+    this.elsewhere_.replaceChildren(...buttons);
   }
 
   /** `preset`: that all values are of, or null; `differing`: rows that are not as the server or the preset has them. */

@@ -6,7 +6,7 @@ import type { SettingRow } from '../../wire/protocol.js';
 export const SLIDER_STEPS = 1000;
 const DEFAULT_AT = 1 / 3;
 
-type Range = Pick<SettingRow, 'type' | 'low' | 'high' | 'default'>;
+export type Range = Pick<SettingRow, 'type' | 'low' | 'high' | 'default'>;
 
 /** Exponent of the curve, at least 1 (linear). */
 export function sliderExponent(row: Range): number {
@@ -47,3 +47,12 @@ function rounded(row: Range, value: number): number {
   const next = row.type === 'int' ? Math.round(value) : Number(value.toPrecision(3));
   return Math.min(row.high, Math.max(row.low, next));
 }
+
+/** How the positions of a slider stand for values. */
+export interface SliderScale {
+  to(row: Range, value: number): number;
+  from(row: Range, position: number): number;
+  stepped(row: Range, value: number, direction: number, large: boolean): number;
+}
+
+export const POWER_SCALE: SliderScale = { to: toSlider, from: fromSlider, stepped };
