@@ -11,6 +11,7 @@ import { HelpDialog } from './page/help.js';
 import { attachKeyboard, attachPointers } from './camera/input.js';
 import { isLightRow } from './panels/light/light_rows.js';
 import { LightPanel } from './panels/light/light_panel.js';
+import { KEY_TURN, LightTurn } from './panels/light/light_turn.js';
 import { Panel } from './panels/panel.js';
 import { PickView } from './panels/pick/pick_view.js';
 import { ErrorView, toggleErrors } from './panels/errors/error_view.js';
@@ -149,8 +150,19 @@ function attachUndo(viewer: Viewer): void {
   });
 }
 
-function attachPicture(canvas: HTMLCanvasElement, viewer: Viewer): void {
-  attachPointers(canvas, viewer.controller, (x, y) => viewer.pickAt(x, y));
+const makeLightTurn = (viewer: Viewer): LightTurn =>
+  new LightTurn({
+    rows: () => viewer.settings.rows,
+    value: (name) => viewer.settings.value(name),
+    set: (values) => viewer.setSettings(values),
+    notice: (text) => viewer.onMessage({ kind: 'notice', text }),
+  });
+
+function attachPicture(canvas: HTMLCanvasElement, viewer: Viewer, light: LightTurn): void {
+  attachPointers(canvas, viewer.controller, {
+    pick: (x, y) => viewer.pickAt(x, y),
+    turnLight: (dx) => light.drag(dx, canvas.getBoundingClientRect().height),
+  });
   attachFocus(canvas);
   attachUndo(viewer);
 }
@@ -158,6 +170,7 @@ function attachPicture(canvas: HTMLCanvasElement, viewer: Viewer): void {
 /** The page's shortcuts, and the keys of flying. */
 function attachKeys(
   viewer: Viewer,
+  light: LightTurn,
   page: Readonly<Record<'help' | 'togglePanels' | 'toggleMode' | 'pick', () => void>>,
 ): void {
   attachKeyboard(viewer.controller, {
@@ -170,6 +183,8 @@ function attachKeys(
     KeyR: () => viewer.resetView(),
     KeyV: () => viewer.frameAll(),
     KeyI: page.pick,
+    BracketLeft: () => light.by(-KEY_TURN),
+    BracketRight: () => light.by(KEY_TURN),
     KeyP: () => togglePartition(viewer),
     KeyN: () => toggleErrors(viewer),
   });
@@ -237,8 +252,9 @@ function start(): void {
     help.element,
   );
 
-  attachPicture(canvas, viewer);
-  attachKeys(viewer, { help: hooks.help, togglePanels, toggleMode: () => dock.toggleMode(), pick: () => pick.pickMiddle() });
+  const light = makeLightTurn(viewer);
+  attachPicture(canvas, viewer, light);
+  attachKeys(viewer, light, { help: hooks.help, togglePanels, toggleMode: () => dock.toggleMode(), pick: () => pick.pickMiddle() });
   viewer.connect();
 }
 

@@ -117,6 +117,58 @@ async function numbers(checks, session) {
   });
 }
 
+async function gesture(checks, session) {
+  const { page } = session;
+  const drag = async (key, button = 'left') => {
+    if (key !== '') await page.keyboard.down(key);
+    await page.mouse.move(600, 450);
+    await page.mouse.down({ button });
+    await page.mouse.move(700, 450, { steps: 5 });
+    await page.mouse.up({ button });
+    if (key !== '') await page.keyboard.up(key);
+    await pause(100);
+  };
+  const look = async () => JSON.stringify((await session.state()).camera);
+  await checks.check('Alt drag turns the surroundings and not the view', async () => {
+    const before = await look();
+    await drag('Alt');
+    await becomes(session, 'environmentRotation', 20); // 100 of 900 pixels, half a turn for all
+    expect((await look()) === before, 'the view moved');
+    expect((await dial(session).getAttribute('aria-valuenow')) === '20', 'the dial stands still');
+  });
+  await checks.check('other drags turn and pan as before', async () => {
+    for (const [key, button] of [['', 'left'], ['Shift', 'left'], ['', 'right'], ['Alt', 'right']]) {
+      const before = await look();
+      await drag(key, button);
+      await until(`a view after ${key} ${button}`, 3000, async () => (await look()) !== before);
+    }
+    expect((await setting(session, 'environmentRotation')) === 20, 'the surroundings turned too');
+  });
+  await checks.check('[ and ] turn by 15 degrees', async () => {
+    await page.keyboard.press('BracketRight');
+    await becomes(session, 'environmentRotation', 35);
+    await page.keyboard.press('BracketLeft');
+    await page.keyboard.press('BracketLeft');
+    await becomes(session, 'environmentRotation', 5);
+  });
+  await checks.check('where turning changes nothing it is said', async () => {
+    await session.field('surroundings').locator('.tile', { hasText: 'grey' }).click();
+    await becomes(session, 'surroundings', 'grey');
+    await drag('Alt');
+    await page.locator('.toast', { hasText: 'Even light is the same from all sides.' }).waitFor({ timeout: 5000 });
+    expect((await page.locator('.toast', { hasText: 'Even light' }).count()) === 1, 'said more than once');
+    expect((await setting(session, 'environmentRotation')) === 5, 'it turned');
+    await page.getByRole('button', { name: 'Reset the light' }).click();
+    await becomes(session, 'surroundings', 'automatic');
+  });
+  await checks.check('the help names the gesture', async () => {
+    await page.keyboard.press('h');
+    const text = await page.locator('dialog.help').innerText();
+    expect(/Alt drag\s+turn the surroundings/.test(text), text);
+    await page.keyboard.press('h');
+  });
+}
+
 async function looks(checks, session) {
   const { page } = session;
   await checks.check('in forced colours the choice that is made is seen', async () => {
@@ -183,6 +235,7 @@ export async function lightChecks(checks) {
     await rows(checks, session);
     await choices(checks, session);
     await numbers(checks, session);
+    await gesture(checks, session);
     await looks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (light)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));

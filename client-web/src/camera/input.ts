@@ -82,7 +82,7 @@ export function attachKeyboard(controller: CameraController, shortcuts: Readonly
 interface Pointer {
   x: number;
   y: number;
-  readonly pan: boolean; // right or middle button, or shift
+  readonly does: 'turn' | 'pan' | 'light'; // pan: right or middle button, or shift; light: Alt
 }
 
 /** Pointers that are down on the picture, at their last known places (CSS pixels). */
@@ -92,13 +92,15 @@ class PointerTracker {
   constructor(
     private readonly canvas_: HTMLCanvasElement,
     private readonly controller_: CameraController,
+    private readonly turnLight_: (dx: number) => void,
   ) {}
 
   down(event: PointerEvent): void {
     this.canvas_.focus({ preventScroll: true });
     this.canvas_.setPointerCapture(event.pointerId);
     const pan = event.button === 1 || event.button === 2 || event.shiftKey;
-    this.pointers_.set(event.pointerId, { x: event.clientX, y: event.clientY, pan });
+    const does = pan ? 'pan' : event.altKey ? 'light' : 'turn';
+    this.pointers_.set(event.pointerId, { x: event.clientX, y: event.clientY, does });
     this.canvas_.classList.add('dragging');
   }
 
@@ -110,7 +112,8 @@ class PointerTracker {
     const others = [...this.pointers_].filter(([id]) => id !== event.pointerId).map(([, other]) => other);
     const other = others[0];
     if (other !== undefined) this.pinch(pointer, other, event);
-    else if (pointer.pan) this.controller_.pan(dx, dy, event.timeStamp);
+    else if (pointer.does === 'light') this.turnLight_(dx);
+    else if (pointer.does === 'pan') this.controller_.pan(dx, dy, event.timeStamp);
     else this.controller_.turn(dx, dy, event.pointerType !== 'mouse', event.timeStamp);
     pointer.x = event.clientX;
     pointer.y = event.clientY;
@@ -131,13 +134,16 @@ class PointerTracker {
   }
 }
 
-/** `pick` gets the place, in CSS pixels of the window, of a double click or a long press. */
-export function attachPointers(
-  canvas: HTMLCanvasElement,
-  controller: CameraController,
-  pick: (x: number, y: number) => void,
-): void {
-  const tracker = new PointerTracker(canvas, controller);
+export interface PictureHooks {
+  /** A double click or a long press, in CSS pixels of the window. */
+  pick(x: number, y: number): void;
+  /** A drag with Alt to the right, in CSS pixels. */
+  turnLight(dx: number): void;
+}
+
+export function attachPointers(canvas: HTMLCanvasElement, controller: CameraController, hooks: PictureHooks): void {
+  const { pick } = hooks;
+  const tracker = new PointerTracker(canvas, controller, (dx) => hooks.turnLight(dx));
   canvas.addEventListener('pointerdown', (event) => tracker.down(event));
   canvas.addEventListener('pointermove', (event) => tracker.move(event));
   canvas.addEventListener('pointerup', (event) => tracker.up(event));

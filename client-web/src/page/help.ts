@@ -22,6 +22,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     rows: [
       [['Drag'], 'look, or turn around the scene in orbit mode'],
       [['Right drag', 'Shift drag'], 'pan'],
+      [['Alt drag'], 'turn the surroundings: the light on the scene follows'],
       [['Wheel'], 'come nearer, go back'],
       [['Double click'], 'what is there; measure, orbit or focus there'],
     ],
@@ -43,6 +44,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
       [['Ctrl Z'], 'take the last change of settings back'],
       [['Esc'], 'back to the picture'],
       [['I'], 'what is in the middle of the picture'],
+      [['[', ']'], 'turn the surroundings by 15 degrees'],
       [['P'], 'show which device made which part'],
       [['N'], 'show where the picture still has how much error'],
       [['F1'], 'hide or show the panels'],

@@ -2,7 +2,8 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { isLightRow, lightRows, lightWithoutUse, shortName, wordOf } from '../../src/panels/light/light_rows.js';
 import { angleAt, LOG_SCALE, turnedTo, TURN_SCALE } from '../../src/panels/light/light_scale.js';
-import type { SettingRow } from '../../src/wire/protocol.js';
+import { LightTurn } from '../../src/panels/light/light_turn.js';
+import type { SettingRow, SettingValues } from '../../src/wire/protocol.js';
 
 const row = (name: string, low = 0, high = 1, preset = 0): SettingRow =>
   ({ name, group: 'picture', type: 'float', low, high, default: preset, choices: [] }) as unknown as SettingRow;
@@ -70,4 +71,35 @@ test('TURN_SCALE: a degree by the arrows, fifteen by the page keys, across the s
 test('angleAt: clockwise from the top; nothing in the middle', () => {
   assert.deepEqual([angleAt(0, -20), angleAt(20, 0), angleAt(0, 20), angleAt(-20, 0)], [0, 90, 180, -90]);
   assert.equal(angleAt(2, 3), null);
+});
+
+/** A turn of surroundings with what it set and told. */
+function turn(around: string, rows: readonly SettingRow[] = [TURN]) {
+  const values: SettingValues = { surroundings: around, environmentRotation: 170 };
+  const now = { ...values };
+  const told: string[] = [];
+  const made = new LightTurn({
+    rows: () => rows,
+    value: (name) => now[name],
+    set: (set) => void Object.assign(now, set),
+    notice: (text) => void told.push(text),
+  });
+  return { made, now, told };
+}
+
+test('LightTurn: half a turn for the height of the picture, parts of a degree add up, across the seam', () => {
+  const { made, now } = turn('studio');
+  for (let i = 0; i < 100; i += 1) made.drag(1, 1000); // 18 degrees, 0.18 each
+  assert.equal(now['environmentRotation'], -173); // 17 whole ones: sums of 0.18 stay under 18
+  made.by(-15);
+  assert.equal(now['environmentRotation'], 172);
+});
+
+test('LightTurn: says once why nothing turns', () => {
+  const even = turn('grey');
+  for (let i = 0; i < 5; i += 1) even.made.drag(50, 1000);
+  assert.deepEqual([even.now['environmentRotation'], even.told.length], [170, 1]);
+  const old = turn('studio', []);
+  old.made.by(15);
+  assert.deepEqual(old.told, ['This server does not turn surroundings.']);
 });

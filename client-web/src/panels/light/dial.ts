@@ -43,10 +43,12 @@ export const dialControl: ControlMaker = (row, id, hooks) => {
   dial.addEventListener('keydown', (event) => {
     if (dial.getAttribute('aria-disabled') !== 'true') number.keys(event);
   });
+  const typed = el('div', { class: 'dial-number' }, number.input, el('span', { class: 'unit' }, unitWord(row.unit)));
+  const hint = el('span', { class: 'muted dial-hint' }, 'Or Alt and drag on the picture, or the keys [ and ].');
   return {
     control: number.input,
     inline: [],
-    below: [el('div', { class: 'dial-row' }, dial, number.input, el('span', { class: 'unit' }, unitWord(row.unit)))],
+    below: [el('div', { class: 'dial-row' }, dial, el('div', { class: 'dial-side' }, typed, hint))],
     show: (value) => {
       if (typeof value !== 'number') return;
       number.show(value);
