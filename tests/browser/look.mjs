@@ -35,6 +35,36 @@ export const badControls = (page) =>
     return bad;
   });
 
+/** Texts of bars, panels, cards and dialogs whose contrast is below 4.5:1, over a black or a white picture. */
+export const lowContrast = (page) =>
+  page.evaluate(() => {
+    const parsed = (color) => {
+      const [r, g, b, a = 1] = color.match(/[\d.]+/g).map(Number);
+      return { rgb: [r, g, b], a };
+    };
+    const over = ({ rgb, a }, below) => below.map((value, i) => a * rgb[i] + (1 - a) * value);
+    const linear = (value) => (value <= 10.31 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4);
+    const luminance = (rgb) => rgb.reduce((sum, value, i) => sum + [0.2126, 0.7152, 0.0722][i] * linear(value), 0);
+    const contrast = (a, b) => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    const found = new Set();
+    const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    for (let node = texts.nextNode(); node !== null; node = texts.nextNode()) {
+      const element = node.parentElement;
+      if (node.data.trim() === '' || element.closest('.bar, .panel, .toast, .menu, .map-card, dialog') === null) continue;
+      const box = element.getBoundingClientRect();
+      if (box.width < 2 || box.height < 2 || !element.checkVisibility({ visibilityProperty: true })) continue;
+      if (element.closest(':disabled, [aria-disabled=true], option, .disabled') !== null) continue; // needs none (WCAG 1.4.3)
+      const layers = [];
+      for (let at = element; at !== null && at !== document.body; at = at.parentElement) layers.unshift(getComputedStyle(at));
+      const lowest = Math.min(...[[0, 0, 0], [255, 255, 255]].map((picture) => {
+        const ground = layers.reduce((below, style) => over(parsed(style.backgroundColor), below), picture);
+        return contrast(luminance(over(parsed(layers.at(-1).color), ground)), luminance(ground));
+      }));
+      if (lowest < 4.5) found.add(`${lowest.toFixed(2)}:1 for "${node.data.trim().slice(0, 40)}"`);
+    }
+    return [...found];
+  });
+
 /** Pairs of bars, panels and cards that cover each other. */
 export const overlaps = (page) =>
   page.evaluate(() => {

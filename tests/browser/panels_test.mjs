@@ -3,7 +3,7 @@
 
 import { pathToFileURL } from 'node:url';
 import { Session } from './fake_session.mjs';
-import { badControls, overlaps } from './look.mjs';
+import { badControls, lowContrast, overlaps } from './look.mjs';
 import { Checks, expect, pause, unfoldFor, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
@@ -236,6 +236,22 @@ async function firstSight(checks) {
 
 async function looks(checks, session) {
   const { page } = session;
+  for (const [name, contrast] of [['ordinary', 'no-preference'], ['more', 'more']]) {
+    await checks.check(`every text of ${name} contrast holds 4.5:1, whatever the picture`, async () => {
+      await page.emulateMedia({ contrast });
+      await page.locator('.dock').getByRole('button', { name: 'Effects' }).click();
+      await page.locator('.top-bar').getByRole('button', { name: 'About the scene' }).click();
+      await pause(250); // what fades in is there
+      const low = await lowContrast(page);
+      await page.keyboard.press('Escape');
+      await page.locator('.dock').getByRole('button', { name: 'Effects' }).click();
+      await page.keyboard.press('h');
+      low.push(...(await lowContrast(page)));
+      await page.keyboard.press('h');
+      await page.emulateMedia({ contrast: 'no-preference' });
+      expect(low.length === 0, low.join('\n'));
+    });
+  }
   await checks.check('in forced colours switches, sliders and pressed buttons are seen', async () => {
     await page.emulateMedia({ forcedColors: 'active' });
     const style = (selector, name) =>
