@@ -12,6 +12,7 @@ import { attachKeyboard, attachPointers } from './camera/input.js';
 import { isLightRow } from './panels/light/light_rows.js';
 import { LightPanel } from './panels/light/light_panel.js';
 import { KEY_TURN, LightTurn } from './panels/light/light_turn.js';
+import { attachGamepads, MouseLock, thumbStick } from './camera/steering.js';
 import { Panel } from './panels/panel.js';
 import { PickView } from './panels/pick/pick_view.js';
 import { ErrorView, toggleErrors } from './panels/errors/error_view.js';
@@ -86,7 +87,7 @@ function hint(toasts: Toasts): void {
   const toast = toasts.show(
     'notice',
     touch
-      ? 'One finger looks around, two move. Viewpoint, Reset view leads back.'
+      ? 'One finger looks around, two or the stick move. Viewpoint, Reset view leads back.'
       : 'Drag to look around, W A S D to move, R leads back, H lists all keys.',
   );
   for (const input of ['keydown', 'pointerdown']) window.addEventListener(input, () => toast.close(), { once: true });
@@ -171,7 +172,7 @@ function attachPicture(canvas: HTMLCanvasElement, viewer: Viewer, light: LightTu
 function attachKeys(
   viewer: Viewer,
   light: LightTurn,
-  page: Readonly<Record<'help' | 'togglePanels' | 'toggleMode' | 'pick', () => void>>,
+  page: Readonly<Record<'help' | 'togglePanels' | 'toggleMode' | 'pick' | 'mouse', () => void>>,
 ): void {
   attachKeyboard(viewer.controller, {
     F1: page.togglePanels,
@@ -183,10 +184,17 @@ function attachKeys(
     KeyR: () => viewer.resetView(),
     KeyV: () => viewer.frameAll(),
     KeyI: page.pick,
+    KeyL: page.mouse,
     BracketLeft: () => light.by(-KEY_TURN),
     BracketRight: () => light.by(KEY_TURN),
     KeyP: () => togglePartition(viewer),
     KeyN: () => toggleErrors(viewer),
+  });
+  attachGamepads(viewer.controller, {
+    0: page.pick,
+    1: page.toggleMode,
+    2: () => viewer.frameAll(),
+    3: () => viewer.resetView(),
   });
 }
 
@@ -235,6 +243,7 @@ function start(): void {
   const pick = new PickView(viewer, announce, () => canvas.focus({ preventScroll: true }));
   page.append(
     ...[partition.overlay, errors.overlay],
+    thumbStick(viewer.controller),
     compare.element,
     partition.card,
     errors.card,
@@ -254,7 +263,11 @@ function start(): void {
 
   const light = makeLightTurn(viewer);
   attachPicture(canvas, viewer, light);
-  attachKeys(viewer, light, { help: hooks.help, togglePanels, toggleMode: () => dock.toggleMode(), pick: () => pick.pickMiddle() });
+  const mouse = new MouseLock(canvas, viewer.controller, (text) => viewer.onMessage({ kind: 'notice', text }));
+  attachKeys(viewer, light, {
+    ...{ help: hooks.help, togglePanels, toggleMode: () => dock.toggleMode() },
+    ...{ pick: () => pick.pickMiddle(), mouse: () => mouse.toggle() },
+  });
   viewer.connect();
 }
 

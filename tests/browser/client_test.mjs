@@ -14,6 +14,7 @@ import { panelChecks } from './panels_test.mjs';
 import { pickChecks } from './pick_test.mjs';
 import { badControls, difference, overlaps, picture, pngSize } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, typeNumber, until } from './page.mjs';
+import { steeringChecks } from './steering_test.mjs';
 import { streamChecks } from './stream_test.mjs';
 import { resumeChecks } from './resume_test.mjs';
 import { uploadChecks } from './upload_test.mjs';
@@ -404,6 +405,7 @@ try {
   await doorChecks(checks);
   await panelChecks(checks);
   await lightChecks(checks);
+  await steeringChecks(checks);
   await pickChecks(checks);
   await linkChecks(checks);
   await viewsChecks(checks);

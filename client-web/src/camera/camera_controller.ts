@@ -34,6 +34,16 @@ export type HeldAction =
   | 'lookUp'
   | 'lookDown';
 
+/** How far a stick or a trigger is pushed, -1 to 1 each. */
+export interface Push {
+  readonly right?: number;
+  readonly up?: number;
+  readonly forward?: number;
+  readonly turnRight?: number;
+  readonly turnUp?: number;
+  readonly faster?: number; // ten times at 1, a tenth at -1
+}
+
 export interface ControllerHooks {
   /** One call of `step` at the next animation frame. */
   schedule(): void;
@@ -54,6 +64,7 @@ const LONGEST_STEP = 0.1; // s; a stalled page does not leap
 const MOVE_SPEED = 0.2; // scene radii per second
 const ROLL_SPEED = Math.PI / 3; // radians per second
 const LOOK_SPEED = Math.PI / 3; // radians per second with the arrow keys
+const STICK_GAIN = 2; // a stick that is pushed all the way turns so much faster than an arrow key
 const FIELD_OF_VIEW_SPEED = 30; // degrees per second
 const MOUSE_GAIN = 2; // mouse-look turns this much more than the picture under the pointer
 const FINGER_GAIN = 2.5;
@@ -71,6 +82,7 @@ export class CameraController {
   private distance_ = 1; // to the orbit's pivot, along forward
   private viewHeight_ = 1; // CSS pixels
   private readonly held_ = new Set<HeldAction>();
+  private readonly pushed_ = new Map<string, Push>(); // by what pushes
   private dirty_ = false;
   private moving_ = false; // the server was last told `moving`
   private eventTime_ = 0;
@@ -90,6 +102,10 @@ export class CameraController {
   /** Keys of flying are held. */
   get flying(): boolean {
     return this.held_.size > 0;
+  }
+
+  private get driven(): boolean {
+    return this.held_.size > 0 || this.pushed_.size > 0;
   }
 
   /** Off while the server moves the camera along a path. */
@@ -191,18 +207,31 @@ export class CameraController {
   }
 
   release(action: HeldAction, time: number): void {
-    if (this.held_.delete(action) && this.held_.size === 0) this.end(time);
+    if (this.held_.delete(action)) this.end(time);
+  }
+
+  /** A stick named `source` stands so; null: it was let go. */
+  push(source: string, push: Push | null, time: number): void {
+    if (push === null) {
+      if (this.pushed_.delete(source)) this.end(time);
+      return;
+    }
+    if (!this.enabled_) return;
+    this.pushed_.set(source, push);
+    if (!this.dirty_ && !this.scheduled_) this.eventTime_ = time;
+    this.schedule();
   }
 
   releaseAll(time: number): void {
-    if (this.held_.size === 0) return;
+    if (!this.driven) return;
     this.held_.clear();
+    this.pushed_.clear();
     if (this.enabled_) this.end(time);
   }
 
   /** The pointer was let go: nothing moves any more unless a key is held. */
   end(time: number): void {
-    if (this.held_.size === 0 && (this.dirty_ || this.moving_)) this.finish(this.dirty_ ? this.eventTime_ : time);
+    if (!this.driven && (this.dirty_ || this.moving_)) this.finish(this.dirty_ ? this.eventTime_ : time);
   }
 
   /** The animation frame that `schedule` asked for. */
@@ -217,7 +246,7 @@ export class CameraController {
       this.hooks_.send(this.camera_, true, this.eventTime_);
       this.hooks_.restAfter(REST_DELAY);
     }
-    if (this.held_.size > 0) this.schedule();
+    if (this.driven) this.schedule();
     else this.lastStep_ = null;
   }
 
@@ -229,15 +258,19 @@ export class CameraController {
   private applyHeld(seconds: number, time: number): void {
     const axis = (plus: HeldAction, minus: HeldAction): number =>
       Number(this.held_.has(plus)) - Number(this.held_.has(minus));
-    const speed = this.radius_ * MOVE_SPEED * Math.pow(10, axis('faster', 'slower')) * seconds;
-    const right = axis('right', 'left') * speed;
-    const forward = axis('forward', 'back') * speed;
+    const pushed = (along: keyof Push): number =>
+      [...this.pushed_.values()].reduce((sum, push) => sum + (push[along] ?? 0), 0);
+    const gear = clamp(axis('faster', 'slower') + pushed('faster'), -1, 1);
+    const speed = this.radius_ * MOVE_SPEED * Math.pow(10, gear) * seconds;
+    const right = (axis('right', 'left') + pushed('right')) * speed;
+    const up = pushed('up') * speed;
+    const forward = (axis('forward', 'back') + pushed('forward')) * speed;
     const lean = axis('rollRight', 'rollLeft') * ROLL_SPEED * seconds;
     const widen = axis('widen', 'narrow') * FIELD_OF_VIEW_SPEED * seconds;
-    const turnRight = axis('lookRight', 'lookLeft') * LOOK_SPEED * seconds;
-    const turnUp = axis('lookUp', 'lookDown') * LOOK_SPEED * seconds;
+    const turnRight = (axis('lookRight', 'lookLeft') + pushed('turnRight') * STICK_GAIN) * LOOK_SPEED * seconds;
+    const turnUp = (axis('lookUp', 'lookDown') + pushed('turnUp') * STICK_GAIN) * LOOK_SPEED * seconds;
     let next = this.camera_;
-    if (right !== 0 || forward !== 0) next = move(next, right, 0, forward);
+    if (right !== 0 || up !== 0 || forward !== 0) next = move(next, right, up, forward);
     if (lean !== 0) next = roll(next, lean);
     if (widen !== 0) next = withFieldOfView(next, next.fieldOfView + widen);
     if (turnRight !== 0 || turnUp !== 0) {

@@ -96,6 +96,7 @@ class PointerTracker {
   ) {}
 
   down(event: PointerEvent): void {
+    if (document.pointerLockElement !== null) return; // the mouse looks already, and cannot be captured
     this.canvas_.focus({ preventScroll: true });
     this.canvas_.setPointerCapture(event.pointerId);
     const pan = event.button === 1 || event.button === 2 || event.shiftKey;

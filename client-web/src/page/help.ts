@@ -23,6 +23,7 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
       [['Drag'], 'look, or turn around the scene in orbit mode'],
       [['Right drag', 'Shift drag'], 'pan'],
       [['Alt drag'], 'turn the surroundings: the light on the scene follows'],
+      [['L'], 'the mouse looks without a button, until L or Esc'],
       [['Wheel'], 'come nearer, go back'],
       [['Double click'], 'what is there; measure, orbit or focus there'],
     ],
@@ -31,8 +32,19 @@ const SECTIONS: readonly { readonly title: string; readonly rows: readonly Row[]
     title: 'Touch',
     rows: [
       [['One finger'], 'look or orbit'],
+      [['Stick'], 'move, at the lower left'],
       [['Two fingers'], 'pan; pinch to come nearer'],
       [['Long press'], 'what is there; measure, orbit or focus there'],
+    ],
+  },
+  {
+    title: 'Gamepad',
+    rows: [
+      [['Left stick'], 'move'],
+      [['Right stick'], 'look, or turn around the scene'],
+      [['Triggers'], 'down, up'],
+      [['Shoulders'], 'slower, faster while held'],
+      [['A', 'B', 'X', 'Y'], 'what is in the middle, fly or orbit, all in view, reset the view'],
     ],
   },
   {

@@ -85,6 +85,37 @@ test('CameraController: faster and slower are ten and a tenth', () => {
   assert.ok(Math.abs(flown('slower') / plain - 0.1) < 1e-9);
 });
 
+test('CameraController: a stick that is half pushed flies half as fast, and rests once when it is let go', () => {
+  const { controller, sent } = setUp();
+  controller.push('gamepad', { forward: 0.5 }, 0);
+  controller.step(0);
+  const begin = controller.camera.position;
+  for (let time = 16; time <= 960; time += 16) controller.step(time);
+  assert.ok(Math.abs(length(subtract(controller.camera.position, begin)) - 0.5 * 0.2 * 10 * 0.96) < 1e-9);
+  assert.ok(sent.every(({ moving }) => moving));
+  controller.press('right', 970);
+  controller.push('gamepad', null, 980);
+  assert.equal(sent.at(-1)?.moving, true, 'a key is still held');
+  controller.release('right', 990);
+  assert.equal(sent.at(-1)?.moving, false);
+  const count = sent.length;
+  controller.push('gamepad', null, 1000);
+  assert.equal(sent.length, count);
+});
+
+test('CameraController: sticks and keys add up, and nothing is pushed any more when the window loses the focus', () => {
+  const { controller } = setUp();
+  controller.push('thumb', { right: 1, up: 1 }, 0);
+  controller.press('left', 0);
+  controller.step(0);
+  const [x, y] = controller.camera.position;
+  assert.ok(Math.abs(x) < 1e-12 && y > 0, `${x}, ${y}`);
+  controller.releaseAll(10);
+  controller.step(16);
+  controller.step(32);
+  assert.equal(controller.camera.position[1], y);
+});
+
 test('CameraController: a held modifier alone moves nothing and says nothing', () => {
   const { controller, sent } = setUp();
   controller.press('faster', 0);
