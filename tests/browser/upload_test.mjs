@@ -140,6 +140,42 @@ async function refuses(checks, page, folder) {
   });
 }
 
+/** A line so slow that there is time to look, and one that breaks. */
+async function slowly(checks, browser, page, folder) {
+  const large = { 'slow.obj': `${MODEL['model/red.obj'].replace('mtllib red.mtl\n', '').replace('usemtl red\n', '')}${'# nothing\n'.repeat(60_000)}` };
+  const card = page.locator('.upload-card');
+  const problems = [...browser.problems];
+  const devtools = await page.context().newCDPSession(page);
+  await devtools.send('Network.enable');
+  const line = (more) =>
+    devtools.send('Network.emulateNetworkConditions', { offline: false, latency: 20, downloadThroughput: -1, uploadThroughput: -1, ...more });
+  await checks.check('over a slow line the way and the time left are told, and it can be stopped', async () => {
+    const before = readdirSync(folder).sort().join();
+    await line({ uploadThroughput: 60_000 });
+    await drop(page, large);
+    const text = () => card.locator('.upload-text').textContent();
+    await until('the time left', 20_000, async () => /^Uploading slow.obj: \d[\d.]* %, \d+ kB of 600 kB, \d+ s left$/.test(await text()));
+    await page.screenshot({ path: join(outFolder, 'upload-slow.png') });
+    await card.getByRole('button', { name: 'Stop the upload' }).click();
+    await page.locator('.toast', { hasText: 'The upload was stopped' }).waitFor({ timeout: 5000 });
+    expect(await card.isHidden(), 'the card stays');
+    await until('nothing of it', 10_000, () => readdirSync(folder).sort().join() === before);
+    await line({});
+    browser.problems = [...problems]; // it was to be stopped
+  });
+  await checks.check('where the line breaks it is said how far it came, and it is sent again', async () => {
+    await page.route('**/uploads', (route) => (route.request().method() === 'POST' ? route.abort('connectionreset') : route.continue()));
+    await drop(page, large);
+    await until('the words', 10_000, async () => /^The line broke after .* of slow.obj/.test(await card.innerText()));
+    await page.screenshot({ path: join(outFolder, 'upload-broken.png') });
+    await page.unroute('**/uploads');
+    browser.problems = [...problems]; // the broken line was meant
+    await card.getByRole('button', { name: 'Send again' }).click();
+    await ready(page, /slow\.obj$/);
+    expect(await card.isHidden(), 'the card stays');
+  });
+}
+
 /** A server that takes no files says so. */
 async function closedDoor(checks) {
   const server = new Server(await freePort(), 'cornell');
@@ -172,6 +208,7 @@ export async function uploadChecks(checks) {
     await ready(page, /^cornell$/);
     await brings(checks, page, folder, address);
     await unpacks(checks, page, folder);
+    await slowly(checks, browser, page, folder);
     await refuses(checks, page, folder);
     await checks.check('nothing was wrong in the browser\u2019s console (uploads)', async () => {
       expect(browser.problems.length === 0, browser.problems.join('\n'));

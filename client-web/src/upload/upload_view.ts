@@ -1,11 +1,11 @@
 // Own files: dropped on the page or chosen, sent to the server with progress, and opened.
 
 import { el, icon, setText } from '../page/dom.js';
-import { percent } from '../page/format.js';
 import { keptToken } from '../wire/token.js';
 import { isObject } from '../wire/fields.js';
 import type { Viewer } from '../viewer.js';
 import { chosenFiles, droppedFiles, withArchivesOpened } from './dropped_files.js';
+import { brokenText, progressText, type Sent } from './upload_progress.js';
 import { chooseUpload, sceneToOpen, uploadHead, type UploadLimits } from './upload_files.js';
 import { ZipError } from './zip.js';
 import './upload_view.css';
@@ -19,6 +19,9 @@ export class UploadView {
   private readonly field_ = el('input', { type: 'file', multiple: true, hidden: true, 'aria-label': 'Own files' });
   private readonly drop_ = el('div', { class: 'drop-frame', hidden: true }, 'Drop a glTF, GLB or OBJ, its folder or zip, or an HDR');
   private readonly card_: HTMLElement;
+  private readonly again_ = el('button', { type: 'button', class: 'wide-button', hidden: true }, 'Send again');
+  private broken_: { readonly body: Blob; readonly scene: string } | null = null; // to be sent again
+  private stopped_ = false; // by the viewer
   private request_: XMLHttpRequest | null = null;
 
   constructor(
@@ -26,8 +29,9 @@ export class UploadView {
     private readonly announce_: (text: string) => void,
   ) {
     const cancel = el('button', { type: 'button', class: 'ghost', 'aria-label': 'Stop the upload' }, icon('close'));
-    cancel.addEventListener('click', () => this.request_?.abort());
-    this.card_ = el('div', { class: 'upload-card', hidden: true }, this.text_, cancel, this.progress_);
+    cancel.addEventListener('click', () => this.stop());
+    this.again_.addEventListener('click', () => this.sendAgain());
+    this.card_ = el('div', { class: 'upload-card', hidden: true }, this.text_, cancel, this.progress_, this.again_);
     this.element = el('div', {}, this.drop_, this.card_, this.field_);
     this.field_.addEventListener('change', () => {
       if (this.field_.files !== null) void this.bring(chosenFiles(this.field_.files));
@@ -97,32 +101,63 @@ export class UploadView {
     }
   }
 
+  /** Ends an upload, or forgets one that broke. */
+  private stop(): void {
+    this.stopped_ = true;
+    if (this.request_ !== null) return this.request_.abort();
+    this.broken_ = null;
+    this.card_.hidden = true;
+  }
+
+  private sendAgain(): void {
+    const broken = this.broken_;
+    if (broken !== null && this.request_ === null) this.send(broken.body, broken.scene);
+  }
+
   private send(body: Blob, scene: string): void {
     const request = new XMLHttpRequest(); // fetch tells nothing of what was sent
     this.request_ = request;
     request.open('POST', ADDRESS);
     for (const [name, value] of Object.entries(authorization())) request.setRequestHeader(name, value);
-    request.upload.addEventListener('progress', ({ loaded, total }) => this.show(scene, total > 0 ? loaded / total : 0));
-    request.addEventListener('loadend', () => this.ended(request));
-    this.show(scene, 0);
+    const begin = performance.now();
+    let sent: Sent = { loaded: 0, total: body.size, ms: 0 };
+    request.upload.addEventListener('progress', ({ loaded, total }) => {
+      sent = { loaded, total, ms: performance.now() - begin };
+      this.show(progressText(scene, sent), sent);
+    });
+    request.addEventListener('loadend', () => this.ended(request, { body, scene }, sent));
+    this.broken_ = null;
+    this.stopped_ = false;
+    this.again_.hidden = true;
+    this.show(progressText(scene, sent), sent);
     this.announce_(`Uploading ${scene}.`);
     request.send(body);
   }
 
-  private show(scene: string, share: number): void {
-    setText(this.text_, `Uploading ${scene}: ${percent(share)}`);
-    this.progress_.value = share;
+  private show(text: string, { loaded, total }: Sent): void {
+    setText(this.text_, text);
+    this.progress_.value = total > 0 ? loaded / total : 0;
     this.card_.hidden = false;
   }
 
-  private ended(request: XMLHttpRequest): void {
+  private ended(request: XMLHttpRequest, upload: { readonly body: Blob; readonly scene: string }, sent: Sent): void {
     this.request_ = null;
-    this.card_.hidden = true;
     const { status, responseText } = request;
+    if (status === 0 && !this.stopped_) return this.broke(upload, sent);
+    this.card_.hidden = true;
     if (status === 201) return this.viewer_.openScene(sceneToOpen(nameIn(responseText), this.viewer_.state.readyName));
     const why = responseText.trim();
-    const text = status === 0 ? 'The upload ended before all was there.' : `The server did not take it: ${why}`;
+    const text = status === 0 ? 'The upload was stopped. Nothing of it is kept.' : `The server did not take it: ${why}`;
     this.viewer_.onMessage({ kind: status === 0 ? 'notice' : 'error', text });
+  }
+
+  /** The files are still here: they can be sent once more. */
+  private broke(upload: { readonly body: Blob; readonly scene: string }, sent: Sent): void {
+    const text = brokenText(upload.scene, sent);
+    this.broken_ = upload;
+    this.again_.hidden = false;
+    this.show(text, sent);
+    this.announce_(text);
   }
 }
 
