@@ -1,5 +1,6 @@
 #include "server/scene/light/environment_tables.h"
 
+#include "server/kernel/kernel.h"
 #include "server/scene/light/alias_table.h"
 #include "server/scene/build/image_pyramid.h"
 
@@ -54,36 +55,41 @@ struct MapPyramid {
     explicit MapPyramid(const RadianceMap& finest) : levels{finest} {
         while (levels.back().height > 2) levels.push_back(halved(levels.back()));
     }
-    /// Bilinear in the level whose texels have about `steradians`.
-    vec3 at(vec3 d, double steradians) const {
+    /// The level whose texels have about `steradians`.
+    const RadianceMap& levelOf(double steradians) const {
         const double texel = 4.0 * std::numbers::pi / (double(levels[0].width) * levels[0].height);
         const double lod = std::clamp(0.5 * std::log2(std::max(steradians / texel, 1.0)), 0.0, double(levels.size() - 1));
-        const RadianceMap& map = levels[static_cast<size_t>(std::lround(lod))];
-        const double u = std::atan2(d.x, -d.z) / (2.0 * std::numbers::pi) + 0.5,
-                     v = std::acos(std::clamp(d.y, -1.0f, 1.0f)) / std::numbers::pi;
-        const double x = u * map.width - 0.5, y = std::clamp(v * map.height - 0.5, 0.0, map.height - 1.0);
-        const auto x0 = static_cast<int64_t>(std::floor(x)), y0 = static_cast<int64_t>(std::floor(y));
-        const float wx = static_cast<float>(x - double(x0)), wy = static_cast<float>(y - double(y0));
-        const auto texelAt = [&](int64_t i, int64_t j) {
-            const auto column = static_cast<size_t>((i + map.width) % map.width);
-            const auto row = static_cast<size_t>(std::min<int64_t>(j, map.height - 1));
-            return map.texels[row * map.width + column];
-        };
-        const vec3 top = glm::mix(texelAt(x0, y0), texelAt(x0 + 1, y0), wx);
-        return glm::mix(top, glm::mix(texelAt(x0, y0 + 1), texelAt(x0 + 1, y0 + 1), wx), wy);
+        return levels[static_cast<size_t>(std::lround(lod))];
     }
 };
 
-/// A direction of a lobe about +z and how much of the lobe it stands for.
+/// The kernel's own arc functions: a third of the library's time, and the same digits on every machine.
+using Angles = scalar_kernel::Kernel<0>;
+
+/// Bilinear in a map.
+vec3 radianceAt(const RadianceMap& map, vec3 d, Angles& angles) {
+    const int width = static_cast<int>(map.width), height = static_cast<int>(map.height);
+    const float u = angles.atan2Kernel(d.x, -d.z) * (0.5f * std::numbers::inv_pi_v<float>)+0.5f;
+    const float v = angles.acosKernel(d.y) * std::numbers::inv_pi_v<float>;
+    const float x = u * map.width - 0.5f, y = std::clamp(v * map.height - 0.5f, 0.0f, map.height - 1.0f);
+    const int left = x < 0.0f ? -1 : static_cast<int>(x), top = static_cast<int>(y);
+    const float wx = x - float(left), wy = y - float(top);
+    const int x0 = left < 0 ? width - 1 : std::min(left, width - 1), x1 = left + 1 < width ? left + 1 : 0;
+    const vec3 *upper = &map.texels[size_t(top) * map.width],
+               *lower = &map.texels[size_t(std::min(top + 1, height - 1)) * map.width];
+    return glm::mix(glm::mix(upper[x0], upper[x1], wx), glm::mix(lower[x0], lower[x1], wx), wy);
+}
+
+/// A direction of a lobe about +z, how much of the lobe it stands for and the map that is as coarse as that.
 struct LobeDirection {
     vec3 direction;
     float weight;
-    double steradians;
+    const RadianceMap* map;
 };
 
 /// GGX of that width seen along its own normal, which is the mirror direction too. Karis, "Real Shading in Unreal Engine 4"
 /// (2013); the size of what a sample stands for after Colbert & Krivanek, "GPU-Based Importance Sampling" (GPU Gems 3, 2007).
-std::vector<LobeDirection> lobeDirections(double roughness) {
+std::vector<LobeDirection> lobeDirections(double roughness, const MapPyramid& pyramid) {
     const double a = roughness * roughness;
     std::vector<LobeDirection> lobe;
     for (uint32_t i = 0; i < LOBE_SAMPLES; i++) {
@@ -93,23 +99,24 @@ std::vector<LobeDirection> lobeDirections(double roughness) {
         if (z <= 0.0) continue;
         const double s = std::sqrt(std::max(1.0 - z * z, 0.0)), d = (a * a - 1.0) * c2 + 1.0;
         const double density = a * a / (std::numbers::pi * d * d) / 4.0;
-        lobe.push_back(
-            {vec3(float(s * std::cos(turn)), float(s * std::sin(turn)), float(z)), float(z), 1.0 / (LOBE_SAMPLES * density)});
+        lobe.push_back({vec3(float(s * std::cos(turn)), float(s * std::sin(turn)), float(z)), float(z),
+                        &pyramid.levelOf(1.0 / (LOBE_SAMPLES * density))});
     }
     return lobe;
 }
 
-vec3 filteredAt(const MapPyramid& pyramid, const std::vector<LobeDirection>& lobe, vec3 axis) {
+vec3 filteredAt(const std::vector<LobeDirection>& lobe, vec3 axis) {
     const vec3 side = std::abs(axis.y) < 0.9f ? vec3(0.0f, 1.0f, 0.0f) : vec3(1.0f, 0.0f, 0.0f);
     const vec3 t = glm::normalize(glm::cross(side, axis)), b = glm::cross(axis, t);
-    dvec3 sum(0.0);
-    double weights = 0.0;
+    Angles angles;
+    vec3 sum(0.0f);
+    float weights = 0.0f;
     for (const LobeDirection& l : lobe) {
         const vec3 d = t * l.direction.x + b * l.direction.y + axis * l.direction.z;
-        sum += dvec3(pyramid.at(d, l.steradians)) * double(l.weight);
+        sum += radianceAt(*l.map, d, angles) * l.weight;
         weights += l.weight;
     }
-    return vec3(sum / weights);
+    return sum / weights;
 }
 
 /// Luminance of ambient light by nine coefficients.
@@ -234,13 +241,13 @@ double ambientMisses(const RadianceMap& map, const Environment& unrotated) {
 
 double reflectionMisses(const RadianceMap& map, const Environment& unrotated) {
     const MapPyramid pyramid(map);
-    const std::vector<LobeDirection> lobe = lobeDirections(0.4);
+    const std::vector<LobeDirection> lobe = lobeDirections(0.4, pyramid);
     const RadianceMap shape{32, 16, {}};
     double squares = 0.0, mean = 0.0;
     for (uint32_t y = 0; y < shape.height; y++) {
         for (uint32_t x = 0; x < shape.width; x++) {
             const vec3 d = shape.direction(x, y);
-            const double exact = luminanceOf(filteredAt(pyramid, lobe, d)), error = coefficients(unrotated, d) - exact;
+            const double exact = luminanceOf(filteredAt(lobe, d)), error = coefficients(unrotated, d) - exact;
             squares += error * error * shape.solidAngle(y);
             mean += exact * shape.solidAngle(y);
         }
@@ -270,9 +277,9 @@ uint32_t appendFiltered(Scene& scene, const RadianceMap& map) {
     entry.levelCount = FILTERED_LEVELS + 1;
     const MapPyramid pyramid(map);
     for (uint32_t i = 0; i < FILTERED_LEVELS; i++) {
-        const std::vector<LobeDirection> lobe = lobeDirections((i + 1.0) / FILTERED_LEVELS);
+        const std::vector<LobeDirection> lobe = lobeDirections((i + 1.0) / FILTERED_LEVELS, pyramid);
         const uint32_t height = i == 0 ? 128 : i < 3 ? 64 : 32;
-        appendMap(scene, 2 * height, height, [&](vec3 d) { return filteredAt(pyramid, lobe, d); });
+        appendMap(scene, 2 * height, height, [&](vec3 d) { return filteredAt(lobe, d); });
     }
     const RadianceMap coarse = halvedTo(map, 128 * 64);
     const IrradianceSum irradiance(coarse);
