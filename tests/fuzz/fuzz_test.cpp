@@ -13,7 +13,8 @@
 #include <unistd.h>
 
 #define TARGETS(TARGET) \
-    TARGET(message) TARGET(settings) TARGET(header) TARGET(upload) TARGET(image) TARGET(gltf) TARGET(glb) TARGET(obj)
+    TARGET(message)     \
+    TARGET(settings) TARGET(header) TARGET(upload) TARGET(image) TARGET(gltf) TARGET(glb) TARGET(obj) TARGET(pool)
 #define DECLARE(NAME) extern "C" int fuzz_##NAME(const uint8_t* data, size_t size);
 TARGETS(DECLARE)
 

@@ -8,7 +8,7 @@ cd "$(dirname "$(readlink -f "$0")")/../.." || exit 1
 seconds=${1:?run.sh SECONDS [TARGET...]}
 shift
 targets=("$@")
-[ ${#targets[@]} -gt 0 ] || targets=(message settings header upload image gltf glb obj)
+[ ${#targets[@]} -gt 0 ] || targets=(message settings header upload image gltf glb obj pool)
 mkdir -p out/fuzz build
 cmake --preset fuzz $(command -v ccache >/dev/null && echo -DCMAKE_CXX_COMPILER_LAUNCHER=ccache) >out/fuzz/configure.log 2>&1 &&
     ninja -C build/fuzz fuzz_seeds "${targets[@]/#/fuzz_}" >out/fuzz/build.log 2>&1 || {

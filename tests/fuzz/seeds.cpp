@@ -3,6 +3,7 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/net/protocol.h"
+#include "server/pool/wire/tile_bytes.h"
 #include "server/request/settings.h"
 #include "tests/support/compressed_files.h"
 
@@ -62,6 +63,31 @@ std::vector<Seed> uploads() {
             {"outside", R"({"scene":"a/../../m.obj","files":[{"path":"a/../../m.obj","bytes":1}]})"},
             {"twice", R"({"scene":"M.glb","files":[{"path":"M.glb","bytes":1},{"path":"m.GLB","bytes":1}]})"},
             {"folder", R"({"scene":"m.obj","files":[{"path":"m.obj","bytes":1},{"path":"m.obj/m.png","bytes":1}]})"}};
+}
+
+std::vector<Seed> poolMessages() {
+    BatchOrder batch{.head = 1, .id = 2, .scene = {}, .request = {}, .tiles = {}};
+    batch.request.resolution = {64, 32};
+    Tile tile;
+    tile.size = {16, 8};
+    tile.sampleCount = 1;
+    batch.tiles = {tile, tile};
+    TilesWriter tiles(2);
+    TileResult result;
+    result.tile = tile;
+    result.radianceSum.assign(128, vec4(0.5f));
+    tiles.add(0, result);
+    return {{"nodeBeat", text(bytesOf(NodeBeat{.id = 1, .build = {}, .name = "a", .hardware = "b"}))},
+            {"headBeat", text(bytesOf(HeadBeat{.id = 1, .build = {}}))},
+            {"refusal", text(bytesOf(Refusal{.head = 1, .why = "another build"}))},
+            {"load", text(bytesOf(LoadOrder{.head = 1, .scene = {}, .settings = {}}))},
+            {"loadState", text(bytesOf(LoadState{.node = 1, .scene = {}, .share = 0.5f, .text = "geometry"}))},
+            {"chunkAsk", text(bytesOf(ChunkAsk{.node = 1, .scene = {}, .index = 3}))},
+            {"chunk", text(bytesOf(Chunk{.scene = {}, .index = 3, .bytes = {1, 2, 3}}))},
+            {"batch", text(bytesOf(batch))},
+            {"cancel", text(bytesOf(Cancel{.head = 1, .id = 2}))},
+            {"batchEnd", text(bytesOf(BatchEnd{.id = 2, .why = "no"}))},
+            {"tiles", text(tiles.take())}};
 }
 
 std::vector<Seed> images() {
@@ -132,8 +158,9 @@ std::vector<Seed> obj() {
 }  // namespace
 
 std::map<std::string, std::vector<Seed>> seeds() {
-    return {{"message", messages()}, {"settings", settings()}, {"header", headers()}, {"upload", uploads()},
-            {"image", images()},     {"gltf", gltf()},         {"glb", glb()},        {"obj", obj()}};
+    return {{"message", messages()}, {"settings", settings()}, {"header", headers()},
+            {"upload", uploads()},   {"image", images()},      {"gltf", gltf()},
+            {"glb", glb()},          {"obj", obj()},           {"pool", poolMessages()}};
 }
 
 }  // namespace heliograph::fuzz
