@@ -21,6 +21,9 @@ inline std::vector<EffectView> effectViews() {
             {"effects/image-light", {"glossyReflections=true"}},
             {"effects/image-light", {"integrator=path"}},
             {"effects/image-light", {"integrator=path", "russianRoulette=2"}},
+            {"effects/layers", {}},
+            {"effects/layers", {"glossyReflections=true", "indirectLight=true"}},
+            {"effects/layers", {"integrator=path"}},
             {"courtyard", {"textureFilter=anisotropic"}}};
 }
 
