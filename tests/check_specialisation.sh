@@ -17,9 +17,9 @@ compiled() {
     glslangValidator --quiet -V --target-env vulkan1.2 -I. -Ishaders -DBVH_WIDTH=2 "$@" shaders/vulkan/trace.comp -o "$out"
 }
 
-# specialised EFFECTS IN OUT: the instructions, names and debug information left out
+# specialised EFFECTS IN OUT: the instructions, names and debug information left out. Effects from bit 32 on are a word of their own.
 specialised() {
-    spirv-opt --target-env=vulkan1.2 --set-spec-const-default-value="0:$1" --freeze-spec-const --fold-spec-const-op-composite \
+    spirv-opt --target-env=vulkan1.2 --set-spec-const-default-value="0:$(($1 & 0xffffffff)) 6:$(($1 >> 32))" --freeze-spec-const --fold-spec-const-op-composite \
         --ccp --eliminate-dead-branches --eliminate-dead-functions --eliminate-dead-code-aggressive --eliminate-dead-const \
         --merge-blocks --strip-debug --compact-ids "$2" -o "$3.spv" &&
         spirv-dis --no-header --no-indent "$3.spv" -o "$3"
@@ -54,7 +54,7 @@ while read -r bit name; do
         *) every=$((whole & ~path & ~glossy)) ;;
     esac
     specialised "$every" "$folder/trace.spv" "$folder/all" || { echo "0 passed, 1 failed"; exit 1; }
-    if compiled "$folder/removed.spv" "-DLEFT_OUT=$((1 << bit))u" && specialised "$every" "$folder/removed.spv" "$folder/removed" &&
+    if compiled "$folder/removed.spv" "-DLEFT_OUT=$(((1 << bit) & 0xffffffff))u" "-DLEFT_OUT_LAYERS=$((1 << bit >> 32))u" && specialised "$every" "$folder/removed.spv" "$folder/removed" &&
         specialised $((every & ~(1 << bit))) "$folder/trace.spv" "$folder/off"; then
         printf '%-26s %12d %12d %12d' "$name" "$(instructions "$folder/all")" "$(instructions "$folder/off")" \
             "$(instructions "$folder/removed")"

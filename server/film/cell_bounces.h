@@ -51,7 +51,7 @@ private:
     struct View {
         Camera camera;
         std::optional<Camera> before;
-        uint32_t effects = 0;
+        uint64_t effects = 0;
         uvec2 resolution{0, 0};
         bool operator==(const View&) const = default;
     };

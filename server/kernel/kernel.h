@@ -5,6 +5,7 @@
 #include "server/kernel/scene_view.h"
 
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
+#define HAS_LAYER(effect) ((EFFECTS & (effect)) != 0u && (frame.layers & ((effect) >> 32)) != 0u)
 #define IN(T) const T&
 #define OUT(T) T&
 #define INOUT(T) T&
@@ -44,7 +45,7 @@ using glm::max;
 using glm::min;
 using glm::sqrt;
 
-template <uint32_t EFFECTS>
+template <uint64_t EFFECTS>
 struct Kernel {
     SceneView scene;
     FrameConstants frame;

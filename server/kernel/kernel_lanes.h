@@ -8,6 +8,7 @@
 #include "server/kernel/lanes.h"
 
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
+#define HAS_LAYER(effect) ((EFFECTS & (effect)) != 0u && (frame.layers & ((effect) >> 32)) != 0u)
 #define IN(T) const T&
 #define OUT(T) T&
 #define INOUT(T) T&
@@ -51,7 +52,7 @@ using ScalarFloat = float;
 #define Hit HitLanes
 #define Ray RayLanes
 
-template <uint32_t EFFECTS>
+template <uint64_t EFFECTS>
 struct Kernel {
     SceneView scene;
     FrameConstants frame;

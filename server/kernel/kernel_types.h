@@ -22,14 +22,16 @@ using glm::vec3;
 using glm::vec4;
 
 #define UINT_CONSTANT(name, value) constexpr uint name = value;
+#define EFFECT_CONSTANT(name, bit) constexpr uint64_t name = uint64_t(1) << bit;
 #include "shaders/kernel/compat.glsl"
 #include "shaders/kernel/types.glsl"
 #undef UINT_CONSTANT
+#undef EFFECT_CONSTANT
 
 static_assert(sizeof(VertexAttributes) == 32 && offsetof(VertexAttributes, color) == 28);
 static_assert(sizeof(Mesh) == 32);
 static_assert(sizeof(Instance) == 112 && offsetof(Instance, mesh) == 96);
-static_assert(sizeof(Material) == 160 && offsetof(Material, metallic) == 80 && offsetof(Material, flags) == 112 &&
+static_assert(sizeof(Material) == 176 && offsetof(Material, metallic) == 80 && offsetof(Material, flags) == 112 &&
               offsetof(Material, occlusionTexture) == 144 && offsetof(Material, priority) == 156);
 static_assert(sizeof(TextureSlot) == 48 && offsetof(TextureSlot, image) == 24);
 static_assert(sizeof(Image) == 16 && sizeof(ImageLevel) == 16);

@@ -26,7 +26,7 @@ struct Candidate {
 /// What was learned of the devices of one scene. Of one frame at a time.
 struct ScheduleMemory {
     RateBook rates;
-    std::map<std::tuple<uint32_t, uint32_t, int>, HybridTrial> trials;  // by effect set, samples a tile, log2 of the cost
+    std::map<std::tuple<uint64_t, uint32_t, int>, HybridTrial> trials;  // by effect set, samples a tile, log2 of the cost
 };
 
 struct ScheduleResult {

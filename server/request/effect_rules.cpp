@@ -1,6 +1,7 @@
 #include "server/request/effect_rules.h"
 
 #include "server/base/text.h"
+#include "server/scene/material_layers.h"
 
 #include <algorithm>
 #include <array>
@@ -88,18 +89,35 @@ Finding byMaterial(const Usage& usage, const std::string& lack, const std::funct
     return {true, counted(found.size(), "material") + " (" + names + "), " + counted(triangles, "triangle")};
 }
 
-std::array<uint32_t, 8> textureSlots(const Material& m) {
-    return {m.baseTexture,    m.metallicRoughnessTexture, m.normalTexture,   m.emissionTexture,
-            m.opacityTexture, m.transmissionTexture,      m.specularTexture, m.occlusionTexture};
+std::vector<uint32_t> textureSlots(const Scene& scene, const Material& m) {
+    const MaterialLayers l = layersOf(scene, m);
+    return {m.baseTexture,
+            m.metallicRoughnessTexture,
+            m.normalTexture,
+            m.emissionTexture,
+            m.opacityTexture,
+            m.transmissionTexture,
+            m.specularTexture,
+            m.occlusionTexture,
+            l.coatTexture,
+            l.coatRoughnessTexture,
+            l.coatNormalTexture,
+            l.sheenColorTexture,
+            l.sheenRoughnessTexture,
+            l.anisotropyTexture,
+            l.iridescenceTexture,
+            l.filmThicknessTexture,
+            l.diffuseTransmissionTexture,
+            l.diffuseColorTexture};
 }
 
-bool hasTexture(const Material& m) {
-    auto slots = textureSlots(m);
+bool hasTexture(const Scene& scene, const Material& m) {
+    auto slots = textureSlots(scene, m);
     return std::any_of(slots.begin(), slots.end(), [](uint32_t slot) { return slot != NO_INDEX; });
 }
 
 bool usesSecondUv(const Scene& scene, const Material& m) {
-    auto slots = textureSlots(m);
+    auto slots = textureSlots(scene, m);
     return std::any_of(slots.begin(), slots.end(),
                        [&](uint32_t slot) { return slot != NO_INDEX && scene.textures[slot].uvSet != 0; });
 }
@@ -164,12 +182,16 @@ bool reflects(const Scene& scene, const Material& m) {
     if (!lit(m)) return false;
     if (m.mirror > LEAST_MIRROR || (m.ior != 1.0f && transmits(scene, m))) return true;
     if (phong(m)) return false;
+    const MaterialLayers l = layersOf(scene, m);
+    if (l.coat > 0.0f && (l.coatRoughness < ROUGHEST_MIRROR || l.coatRoughnessTexture != NO_INDEX)) return true;
     return specular(m) && smootherThan(scene, m, ROUGHEST_MIRROR);
 }
 
 /// Whether it reflects blurred: anything but a mirror.
 bool glossy(const Scene& scene, const Material& m) {
-    return lit(m) && !phong(m) && !transmits(scene, m) && m.roughness > 0.0f && specular(m);
+    if (!lit(m) || phong(m)) return false;
+    const MaterialLayers l = layersOf(scene, m);
+    return (l.coat > 0.0f && l.coatRoughness > 0.0f) || (!transmits(scene, m) && m.roughness > 0.0f && specular(m));
 }
 
 /// Something that light falls on.
@@ -282,8 +304,11 @@ Finding roughGlass(const Usage& usage) {
 Finding path(const Usage& usage) { return onLitSurfaces(usage); }
 
 Finding tangents(const Usage& usage) {
-    return byMaterial(usage, "no normal or bump image on a mesh with tangents",
-                      [&](uint32_t m) { return bumpy(usage.scene.materials[m]) && (usage.met[m] & Usage::MET_TANGENTS) != 0; });
+    return byMaterial(usage, "no normal or bump image and no anisotropy on a mesh with tangents", [&](uint32_t m) {
+        const MaterialLayers l = layersOf(usage.scene, usage.scene.materials[m]);
+        const bool steered = l.anisotropy > 0.0f || l.coatNormalTexture != NO_INDEX;
+        return (steered || bumpy(usage.scene.materials[m])) && (usage.met[m] & Usage::MET_TANGENTS) != 0;
+    });
 }
 
 Finding instancing(const Usage& usage) {
@@ -331,12 +356,58 @@ Finding nestedMedia(const Usage& usage) {
     return {true, withThousands(usage.scene.nestedBodies) + " bodies that touch or stand in each other: " + names};
 }
 
-Finding textures(const Usage& usage) { return byItsMaterial(usage, "no material has a texture", hasTexture); }
+Finding textures(const Usage& usage) {
+    return byItsMaterial(usage, "no material has a texture", [&](const Material& m) { return hasTexture(usage.scene, m); });
+}
 Finding normalMaps(const Usage& usage) { return byItsMaterial(usage, "no normal or bump image", bumpy); }
 
 Finding occlusionTextures(const Usage& usage) {
     return byItsMaterial(usage, "no occlusion image", [](const Material& m) {
         return m.occlusionTexture != NO_INDEX && m.occlusionStrength > 0.0f && lit(m);
+    });
+}
+
+Finding clearcoat(const Usage& usage) {
+    return byItsMaterial(usage, "no material has a coat", [&](const Material& m) {
+        const MaterialLayers l = layersOf(usage.scene, m);
+        return lit(m) && l.coat > 0.0f && notBlack(usage.scene, l.coatTexture, 0xffu);
+    });
+}
+
+Finding sheen(const Usage& usage) {
+    return byItsMaterial(usage, "no material has sheen", [&](const Material& m) {
+        const MaterialLayers l = layersOf(usage.scene, m);
+        return lit(m) && l.sheenTable != NO_INDEX && notBlack(usage.scene, l.sheenColorTexture, 0xffffffu);
+    });
+}
+
+Finding anisotropy(const Usage& usage) {
+    return byItsMaterial(usage, "no material's highlights are longer one way", [&](const Material& m) {
+        const MaterialLayers l = layersOf(usage.scene, m);
+        return lit(m) && l.anisotropy > 0.0f && notBlack(usage.scene, l.anisotropyTexture, 0xff0000u);
+    });
+}
+
+Finding iridescence(const Usage& usage) {
+    return byItsMaterial(usage, "no material has a thin film", [&](const Material& m) {
+        const MaterialLayers l = layersOf(usage.scene, m);
+        const bool thick = l.filmThickest > 0.0f || (l.filmThinnest > 0.0f && l.filmThicknessTexture != NO_INDEX);
+        return lit(m) && thick && l.iridescence > 0.0f && notBlack(usage.scene, l.iridescenceTexture, 0xffu);
+    });
+}
+
+Finding dispersion(const Usage& usage) {
+    return byItsMaterial(usage, "no glass bends its colours apart", [&](const Material& m) {
+        const bool body = (m.flags & MATERIAL_VOLUME) != 0 && m.ior > 1.0f && transmits(usage.scene, m);
+        return body && layersOf(usage.scene, m).dispersion > 0.0f;
+    });
+}
+
+Finding diffuseTransmission(const Usage& usage) {
+    return byItsMaterial(usage, "no light scatters through a surface", [&](const Material& m) {
+        const MaterialLayers l = layersOf(usage.scene, m);
+        return lit(m) && l.diffuseTransmission > 0.0f && notBlack(usage.scene, l.diffuseTransmissionTexture, 0xff000000u) &&
+               notBlack(usage.scene, l.diffuseColorTexture, 0xffffffu);
     });
 }
 

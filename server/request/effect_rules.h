@@ -8,7 +8,7 @@ namespace heliograph {
 
 struct EffectReason {
     std::string name;
-    uint32_t bit = 0;
+    uint64_t bit = 0;
     bool calledFor = false;  // by the scene
     std::string because;     // which material, light or image, and how many triangles; or what is lacking
     std::string setting;     // that switches it, or ""

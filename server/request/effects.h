@@ -13,20 +13,23 @@ namespace heliograph {
 
 /// A set of EFFECT_* bits.
 struct EffectSet {
-    uint32_t bits = 0;
-    bool has(uint32_t effect) const { return (bits & effect) != 0; }
+    uint64_t bits = 0;
+    /// The same as two words, as devices take them (FrameConstants).
+    uint32_t low() const { return static_cast<uint32_t>(bits); }
+    uint32_t high() const { return static_cast<uint32_t>(bits >> 32); }
+    bool has(uint64_t effect) const { return (bits & effect) != 0; }
     bool operator==(const EffectSet&) const = default;
 };
 
 /// One row of the table.
 struct EffectRow {
-    uint32_t bit = 0;  // EFFECT_*
+    uint64_t bit = 0;  // EFFECT_*
     std::string_view name;
     std::string_view setting;  // name of `allowedBy` or `chosenBy`, or ""
     std::string_view help;
     bool Settings::*allowedBy = nullptr;     // the switch; null: always allowed
     uint32_t Settings::*chosenBy = nullptr;  // a choice that allows it where it is not 0; null: none
-    uint32_t parent = 0;                     // EFFECT_* that must be allowed too; 0: none
+    uint64_t parent = 0;                     // EFFECT_* that must be allowed too; 0: none
     float Settings::*positive = nullptr;     // setting that must be above 0; null: none
 };
 

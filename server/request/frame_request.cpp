@@ -11,7 +11,8 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     FrameConstants constants{};
     constants.camera = kernelCamera(request.camera, request.resolution);
     constants.resolution = request.resolution;
-    constants.effects = request.effects.bits;
+    constants.effects = request.effects.low();
+    constants.layers = request.effects.high();
     constants.lightCount =
         request.effects.has(EFFECT_MANY_LIGHTS) ? scene.environment.listedLights : static_cast<uint32_t>(scene.lights.size());
     constants.aoDistance = request.settings.aoRadius * scene.aoRadius;

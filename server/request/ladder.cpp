@@ -7,7 +7,7 @@ namespace heliograph {
 namespace {
 
 struct Step {
-    uint32_t effect;  // without it the step changes nothing; 0: it always may
+    uint64_t effect;  // without it the step changes nothing; 0: it always may
     std::string_view setting, value;
 };
 

@@ -13,7 +13,7 @@ constexpr vec3 GREY{0.8f};             // radiance of even surroundings
 constexpr vec3 PLAIN_BACKDROP{0.22f};  // behind a model, so that neither white nor black is lost before it
 constexpr float BLUR = 0.4f;           // radians, of a backdrop
 
-constexpr uint32_t OF_SURROUNDINGS = EFFECT_ENVIRONMENT_IMAGE | EFFECT_FILTERED_ENVIRONMENT | EFFECT_ENVIRONMENT_LIGHT;
+constexpr uint64_t OF_SURROUNDINGS = EFFECT_ENVIRONMENT_IMAGE | EFFECT_FILTERED_ENVIRONMENT | EFFECT_ENVIRONMENT_LIGHT;
 
 enum class Chosen : uint32_t { automatic, studio, sky, grey, none };
 static_assert(Settings::choice("surroundings", "studio") == 1 && Settings::choice("surroundings", "none") == 4);
@@ -99,7 +99,7 @@ Environment environmentFor(const Scene& scene, const Settings& settings) {
 
 EffectSet effectsUnder(const Scene& scene, EffectSet called, const Settings& settings) {
     const Environment environment = chosenFrom(scene, settings);
-    uint32_t bits = called.bits;
+    uint64_t bits = called.bits;
     if (settings.surroundings != static_cast<uint32_t>(Chosen::automatic)) {
         bits &= ~OF_SURROUNDINGS;
         if (environment.image != NO_INDEX) bits |= EFFECT_ENVIRONMENT_IMAGE;

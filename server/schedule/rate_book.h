@@ -49,7 +49,7 @@ private:
         double cost = 0.0, work = 0.0;        // of the frame in progress
         double error = 0.0, predicted = 0.0;  // seconds, of the frame in progress
     };
-    std::map<std::pair<std::string, uint32_t>, Entry> entries_;
+    std::map<std::pair<std::string, uint64_t>, Entry> entries_;
     std::map<std::string, uint64_t> distrusted_;
 };
 

@@ -25,6 +25,7 @@
 #define ANY(condition) (condition)
 #define FLOAT_CONSTANT(name, value) const float name = value;
 #define UINT_CONSTANT(name, value) const uint name = value;
+#define EFFECT_CONSTANT(name, bit) const uint name = 1u << (bit & 31);
 #define UNIFORM_UINT uint
 #endif
 

@@ -37,4 +37,10 @@ EFFECT(27, EFFECT_ANISOTROPIC_TEXTURES, anisotropicTextures, textureFilter, 0, n
 EFFECT(28, EFFECT_OCCLUSION_TEXTURES, occlusionTextures, occlusionTextures, 0, none, occlusionTextures, sharp, "Images say how much ambient light hollows get, where no ray finds that out.")
 EFFECT(29, EFFECT_NESTED_MEDIA, nestedMedia, refractions, 0, none, nestedMedia, everything, "Bodies stand in each other, as water in a glass: light bends by what is on either side, and where they overlap one fills the place.")
 EFFECT(30, EFFECT_MANY_LIGHTS, manyLights, manyLights, 0, none, manyLights, everything, "Of many lights a few are asked from each point, chosen by what they may bring there.")
+EFFECT(31, EFFECT_DISPERSION, dispersion, refractions, EFFECT_REFRACTIONS, none, dispersion, everything, "Glass bends blue more than red.")
+EFFECT(32, EFFECT_CLEARCOAT, clearcoat, none, 0, none, clearcoat, everything, "A clear coat of varnish reflects over what is under it.")
+EFFECT(33, EFFECT_SHEEN, sheen, none, 0, none, sheen, everything, "Cloth shines at its rim.")
+EFFECT(34, EFFECT_ANISOTROPY, anisotropy, none, 0, none, anisotropy, everything, "Highlights are longer one way, as on brushed metal.")
+EFFECT(35, EFFECT_IRIDESCENCE, iridescence, none, 0, none, iridescence, everything, "Thin films change colour with the angle.")
+EFFECT(36, EFFECT_DIFFUSE_TRANSMISSION, diffuseTransmission, none, 0, none, diffuseTransmission, everything, "Light scatters through thin things to their other side, as through leaves and paper.")
 #undef EFFECT

@@ -18,6 +18,24 @@ struct Shading {
     float occlusion;    // share of the ambient light that arrives; by images alone
     uint flags;         // MATERIAL_*
     vec3 facet;         // unit, about which it reflects: the normal, or what reflectingNormal chooses
+    // What follows holds something with the effect of its layer alone (HAS_LAYER).
+    float kept;         // share of the light that the coat leaves to all under it
+    float coat;
+    float coatRoughness;
+    float coatAlbedo;   // of the coat, seen from where the path comes from
+    vec3 coatNormal;    // unit
+    vec3 sheen;         // colour, what the coat takes already taken off
+    vec3 sheenAlbedo;   // of the sheen, seen from where the path comes from
+    float sheenRoughness;
+    uint sheenTable;
+    vec3 tangent;       // unit: the long way of the specular lobe, and
+    vec3 bitangent;     // the short one
+    float widthAlong;
+    float widthAcross;
+    float film;
+    float filmIor;
+    float filmThickness;  // nanometres
+    vec3 through;       // diffuse albedo of light that comes out on the other side
 };
 
 // Slope of a height image: three heights one texel apart; y runs against v, as in normal maps. Blinn, "Simulation of Wrinkled Surfaces" (1978).
@@ -32,8 +50,8 @@ vec3 bumpNormal(IN(Surface) s, uint slot, float scale) {
     return vec3((h - hu) * scale, (hv - h) * scale, 0.25f);
 }
 
-// The normal map's normal in world space, kept above the geometric surface.
-vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
+// Tangent of the uv and what completes it and the interpolated normal, both unit; false where the triangle has no such frame.
+bool tangentFrame(IN(Surface) s, OUT(vec3) t, OUT(vec3) bitangent) {
     // Without tangents in the file: the uv frame of the triangle.
     float det = s.uvEdge1.x * s.uvEdge2.y - s.uvEdge1.y * s.uvEdge2.x;
     float turn = SELECT(det < 0.0f, -1.0f, 1.0f);
@@ -44,11 +62,19 @@ vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
         tangent = SELECT(given, s.tangent, tangent);
         handedness = SELECT(given, s.tangentSign, -turn);
     }
-    vec3 t = tangent - s.normal * dot(tangent, s.normal);
+    t = tangent - s.normal * dot(tangent, s.normal);
     float tt = dot(t, t);
     bool usable = tt > 1.0e-20f;
     t = t * (1.0f / sqrt(SELECT(usable, tt, 1.0f)));
-    vec3 bitangent = cross(s.normal, t) * (handedness * s.side);
+    bitangent = cross(s.normal, t) * (handedness * s.side);
+    return usable;
+}
+
+// The normal map's normal in world space, kept above the geometric surface.
+vec3 mappedNormal(IN(Surface) s, uint slot, float scale, uint flags) {
+    vec3 t;
+    vec3 bitangent;
+    bool usable = tangentFrame(s, t, bitangent);
     vec4 texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse);
     vec3 local = vec3((texel.x * 2.0f - 1.0f) * scale, (texel.y * 2.0f - 1.0f) * scale, texel.z * 2.0f - 1.0f);
     bool bump = (flags & MATERIAL_BUMP) != 0u;
@@ -126,6 +152,27 @@ void applyTextures(INOUT(Shading) r, INOUT(float) metallic, IN(Surface) s) {
     }
 }
 
+#define MATERIAL_LAYERS \
+    (EFFECT_CLEARCOAT | EFFECT_SHEEN | EFFECT_ANISOTROPY | EFFECT_IRIDESCENCE | EFFECT_DIFFUSE_TRANSMISSION)
+
+#include "effects/material_layers.glsl"
+#include "effects/anisotropy.glsl"
+#include "effects/clearcoat.glsl"
+#include "effects/diffuse_transmission.glsl"
+#include "effects/iridescence.glsl"
+#include "effects/sheen.glsl"
+
+// What lies over the base. `kept`: share of the diffuse colour that metal and transmission leave.
+void addLayers(INOUT(Shading) r, IN(Surface) s, float kept) {
+    uint layers = SELECT((r.flags & MATERIAL_UNLIT) != 0u, uint(NO_INDEX), MATERIAL(s.material, layers));
+    r.kept = 1.0f;
+    if (HAS_LAYER(EFFECT_ANISOTROPY)) addAnisotropy(r, s, layers);
+    if (HAS_LAYER(EFFECT_IRIDESCENCE)) addFilm(r, s, layers);
+    if (HAS_LAYER(EFFECT_DIFFUSE_TRANSMISSION)) addThrough(r, s, layers, kept);
+    if (HAS_LAYER(EFFECT_SHEEN)) addSheen(r, s, layers);
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) addCoat(r, s, layers);
+}
+
 // `ior`: index of the inner side over that of the outer.
 Shading shadingWith(IN(Surface) s, float ior) {
     Shading r;
@@ -164,6 +211,7 @@ Shading shadingWith(IN(Surface) s, float ior) {
     r.transmission = SELECT(phong, r.transmission, r.transmission * (1.0f - metallic));
     float kept = SELECT(phong, 1.0f - r.mirror, 1.0f - metallic);
     r.diffuse = color * (kept * (1.0f - r.transmission));
+    if (HAS_LAYER(MATERIAL_LAYERS)) addLayers(r, s, kept * (1.0f - r.transmission));
     bool unlit = (r.flags & MATERIAL_UNLIT) != 0u;
     if (MET(VARIETY_UNLIT) && ANY(unlit)) {
         vec3 black = vec3(0.0f, 0.0f, 0.0f);
@@ -191,7 +239,10 @@ Shading shadingAt(IN(Surface) s) { return shadingWith(s, MATERIAL(s.material, io
 void seenFrom(INOUT(Shading) m, vec3 wo) {
     bool microfacet = (m.flags & MATERIAL_PHONG) == 0u;
     if (MET(VARIETY_MICROFACET) && ANY(microfacet)) {
-        vec2 lobe = lobeIntegrals(m.roughness, max(dot(m.normal, wo), 1.0e-4f));
+        if (HAS_LAYER(EFFECT_IRIDESCENCE)) seenThroughFilm(m, wo);
+        float roughness = m.roughness;
+        if (HAS_LAYER(EFFECT_ANISOTROPY)) roughness = SELECT(roughness > 0.0f && m.widthAlong != m.widthAcross, sqrt(widthOfLoss(m, dot(m.normal, wo))), roughness);
+        vec2 lobe = lobeIntegrals(roughness, max(dot(m.normal, wo), 1.0e-4f));
         float lost = 1.0f / (lobe.x + lobe.y) - 1.0f;
         vec3 gain = vec3(1.0f + m.f0.x * lost, 1.0f + m.f0.y * lost, 1.0f + m.f0.z * lost);
         float flat_ = m.f90 * lobe.y;
@@ -200,12 +251,37 @@ void seenFrom(INOUT(Shading) m, vec3 wo) {
         m.albedo = SELECT(microfacet, albedo, m.albedo);
         vec3 left = vec3(max(1.0f - albedo.x, 0.0f), max(1.0f - albedo.y, 0.0f), max(1.0f - albedo.z, 0.0f));
         m.diffuse = SELECT(microfacet, m.diffuse * left, m.diffuse);
+        if (HAS_LAYER(EFFECT_DIFFUSE_TRANSMISSION)) m.through = SELECT(microfacet, m.through * left, m.through);
     }
+    if (HAS_LAYER(EFFECT_SHEEN)) seenThroughSheen(m, wo);
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) seenThroughCoat(m, wo);
+}
+
+// Distribution and visibility of the specular lobe; h half way between.
+float specularLobe(IN(Shading) m, vec3 wo, vec3 wi, vec3 h, float nDotV, float nDotL) {
+    if (HAS_LAYER(EFFECT_ANISOTROPY)) return lobeAlong(m, wo, wi, h, nDotV, nDotL);
+    float a = lobeWidth(m.roughness);
+    return distributionGgx(saturate(dot(m.normal, h)), a) * visibilityGgx(nDotV, nDotL, a);
+}
+
+// Density per steradian with which a ray leaves by the facet whose normal is h.
+float facetDensity(IN(Shading) m, vec3 wo, vec3 h) {
+    if (HAS_LAYER(EFFECT_ANISOTROPY)) return densityAlong(m, wo, h);
+    return visibleDensity(max(dot(m.normal, wo), 1.0e-4f), saturate(dot(m.normal, h)), lobeWidth(m.roughness));
+}
+
+// What the diffuse lobes reflect and let through, as reflectedLight.
+vec3 diffuseTowards(IN(Shading) m, vec3 wo, vec3 wi) {
+    float nDotL = dot(m.normal, wi);
+    vec3 result = m.diffuse * (max(nDotL, 0.0f) * INV_PI);
+    if (HAS_LAYER(EFFECT_SHEEN)) result = result + sheenTowards(m, wo, wi);
+    if (HAS_LAYER(EFFECT_DIFFUSE_TRANSMISSION)) result = result + m.through * (max(-nDotL, 0.0f) * INV_PI);
+    return result;
 }
 
 // Reflected radiance per unit irradiance for light from wi seen from wo (unit vectors; see seenFrom), cosine included. Phong: the
 // classical lobe, its peak 1 at any exponent, over pi so that Kd and Ks weigh alike.
-vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
+vec3 baseTowards(IN(Shading) m, vec3 wo, vec3 wi) {
     float nDotL = max(dot(m.normal, wi), 0.0f);
     vec3 result = vec3(0.0f, 0.0f, 0.0f);
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
@@ -219,10 +295,20 @@ vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
         vec3 h = normalize3(wo + wi);
         float nDotV = max(dot(m.normal, wo), 1.0e-4f);
         vec3 f = fresnelSchlick(m.f0, m.f90, saturate(dot(wo, h))) * m.gain;
-        float a = lobeWidth(m.roughness);
-        float lobe = distributionGgx(saturate(dot(m.normal, h)), a) * visibilityGgx(nDotV, nDotL, a);
+        float lobe = specularLobe(m, wo, wi, h, nDotV, nDotL);
         vec3 microfacet = (m.diffuse * INV_PI + f * lobe) * nDotL;
+        if (HAS_LAYER(EFFECT_SHEEN | EFFECT_DIFFUSE_TRANSMISSION)) microfacet = f * (lobe * nDotL) + diffuseTowards(m, wo, wi);
         result = SELECT(phong, result, microfacet);
+    }
+    return result;
+}
+
+// The same with what the coat adds.
+vec3 reflectedLight(IN(Shading) m, vec3 wo, vec3 wi) {
+    vec3 result = baseTowards(m, wo, wi);
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+        bool coated = m.coat > 0.0f;
+        if (ANY(coated)) result = SELECT(coated, result + baseTowards(coatOf(m), wo, wi), result);
     }
     return result;
 }

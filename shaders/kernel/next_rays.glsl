@@ -36,8 +36,7 @@ bool reflectsRough(IN(Shading) m) { return (m.flags & MATERIAL_PHONG) == 0u && m
 float reflectedLobe(IN(Shading) m, vec3 wo) {
     float lobe = FLOAT_MAX;
     if (FOLLOWS_FACETS) {
-        float nDotV = max(dot(m.normal, wo), 1.0e-4f);
-        lobe = visibleDensity(nDotV, saturate(dot(m.normal, m.facet)), lobeWidth(m.roughness));
+        lobe = facetDensity(m, wo, m.facet);
     } else if (HAS_FILTERED) {
         lobe = -m.roughness;
     }
@@ -180,10 +179,15 @@ Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
         r.cosT = cosT;
         // The clear share reflects as glass does; the opaque share keeps its own model's reflectance.
         float glass = m.transmission * f;
+        float through = m.transmission * (1.0f - f);
+        if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+            glass = glass * m.kept;
+            through = through * m.kept;
+        }
         if (HAS(EFFECT_ROUGH_GLASS)) glass = glass * facetShare(m, -p.direction);
         vec3 both = r.reflected * (1.0f - m.transmission) + vec3(glass, glass, glass);
         r.reflected = SELECT(clear, both, r.reflected);
-        r.transmitted = SELECT(clear, m.transmission * (1.0f - f), 0.0f);
+        r.transmitted = SELECT(clear, through, 0.0f);
     }
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
     vec3 smooth_ = m.albedo * (followedShare(m) * (1.0f - m.transmission));
@@ -194,6 +198,24 @@ Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
     }
     r.reflected = SELECT(phong, r.reflected, r.reflected + smooth_);
     return r;
+}
+
+// The ray that the coat reflects, as nextRays does for what is under it; returns NEXT_COAT where there is one.
+uint coatRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput,
+             OUT(PathState) next, INOUT(vec3) radiance) {
+    Shading coat = coatOf(m);
+    vec3 wo = -p.direction;
+    uint salt = hashUint(p.salt + COAT_SALT);
+    coat.facet = reflectingNormal(pixel, sampleIndex, salt, coat, wo);
+    vec3 weight = coat.albedo * followedShare(coat);
+    if (FOLLOWS_FACETS) {
+        vec3 facet = fresnelSchlick(coat.f0, coat.f90, saturate(dot(coat.facet, wo))) * facetShare(coat, wo);
+        weight = SELECT(coat.roughness > 0.0f, facet, weight);
+    }
+    weight = weight * throughput * m.alpha;
+    uint bits = followReflection(p, s, coat, weight, reflectedShare(coat, throughput, weight), next, radiance);
+    next.salt = salt;
+    return SELECT(m.coat > 0.0f && bits != 0u, uint(NEXT_COAT), uint(0u));
 }
 
 // The rays that go on from a hit, with weights that sum to at most 1: mirror reflection, transmission, and what passes a

@@ -22,6 +22,7 @@ UINT_CONSTANT(NEXT_REFLECTION, 1u)
 UINT_CONSTANT(NEXT_REFRACTION, 2u)
 UINT_CONSTANT(NEXT_PASS, 4u)
 UINT_CONSTANT(NEXT_INDIRECT, 8u)
+UINT_CONSTANT(NEXT_COAT, 16u)
 
 // A pending ray of the image.
 struct PathState {
@@ -31,7 +32,7 @@ struct PathState {
     float coneSpread;   // radians
     vec3 throughput;    // weight in the pixel
     uint depth;         // reflections | refractions << 8 | alpha layers << 16 | DIFFUSED | ray kind << 24 | diffuse
-                        // bounces << 26
+                        // bounces << 26 | ONE_CHANNEL
     uint medium;        // material the ray travels in + 1, 0 = air; with nested media as effects/nested_media.glsl has it
     uint salt;          // tells the vertices of one sample apart, for random numbers
     float lobe;         // > 0: density with which its direction was chosen, per steradian, where rays to sampled lights share
@@ -43,7 +44,7 @@ uint reflectionDepth(uint depth) { return depth & 255u; }
 uint refractionDepth(uint depth) { return (depth >> 8) & 255u; }
 uint alphaDepth(uint depth) { return (depth >> 16) & 127u; }
 uint rayKindOf(uint depth) { return (depth & RAY_KIND_BITS) >> 24; }
-uint diffuseBounces(uint depth) { return depth >> 26; }  // of the interactive integrator alone
+uint diffuseBounces(uint depth) { return (depth >> 26) & 31u; }  // of the interactive integrator alone
 uint bounces(uint depth) { return reflectionDepth(depth) + refractionDepth(depth); }
 bool sharesLight(IN(PathState) p) { return p.lobe > 0.0f && p.lobe < FLOAT_MAX; }
 

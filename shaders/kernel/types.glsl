@@ -5,8 +5,13 @@
 
 UINT_CONSTANT(NO_INDEX, 0xffffffffu)
 
-// Effect bits, from the table.
-#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) UINT_CONSTANT(CONSTANT, 1u << bit)
+// Words from Material.layers on.
+#define LAYER_NUMBER(word, name, def) UINT_CONSTANT(LAYER_##name, uint(word))
+#define LAYER_WORD(word, name) UINT_CONSTANT(LAYER_##name, uint(word))
+#include "layer_table.glsl"
+
+// Effect bits, from the table. Those from 32 on are told apart by a word of their own: HAS_LAYER instead of HAS.
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) EFFECT_CONSTANT(CONSTANT, bit)
 #include "effect_table.glsl"
 
 // Material.flags
@@ -81,7 +86,7 @@ struct Instance {
 UINT_CONSTANT(INSTANCE_IDENTITY, 1u)  // transform is the identity
 UINT_CONSTANT(INSTANCE_MIRRORED, 2u)  // determinant < 0: winding flips
 
-// One material for MTL and glTF alike, 160 bytes. Texture fields index TextureSlot, NO_INDEX = none.
+// One material for MTL and glTF alike, 176 bytes. Texture fields index TextureSlot, NO_INDEX = none.
 struct Material {
     vec4 baseColor;    // rgb diffuse or base colour, a = alpha
     vec4 emission;     // rgb radiance, w = density of sampled points on its surface as a lamp, per m^2 (SceneBuilder's)
@@ -108,6 +113,10 @@ struct Material {
     uint medium;         // number of the medium inside, 1 to 127, the greater one wins where bodies overlap; 0: none
     uint mediumMaterial; // of material i: the one that stands for the medium i + 1. Both SceneBuilder's
     int priority;        // of its bodies over others, as the file says
+    uint layers;         // first texel of its layer_table.glsl, NO_INDEX = none
+    uint pad0;
+    uint pad1;
+    uint pad2;
 };
 
 // A texture as a material uses it: image, uv set and KHR_texture_transform. 48 bytes.
@@ -228,7 +237,7 @@ struct Hit {
 struct FrameConstants {
     KernelCamera camera;
     uvec2 resolution;
-    uint effects;     // EffectSet bits
+    uint effects;     // EffectSet bits below 32
     uint lightCount;
     float aoDistance; // aoRadius setting times the scene's own radius, metres
     uint seed;
@@ -240,6 +249,7 @@ struct FrameConstants {
 #define SETTING_K_INT(name, group, acts, def, low, high, unit, label, effect, price, help) uint name;
 #define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) float name;
 #include "settings_table.glsl"
+    uint layers;      // EffectSet bits from 32 on
 };
 
 #endif

@@ -80,17 +80,35 @@ float followedShare(IN(Shading) m) {
 // What the diffuse part of a surface reflects of the ambient light. Where the image is a light, rays bring it.
 vec3 diffuseOfAmbient(IN(Shading) m) {
     if (HAS_SKY_LIGHT) return vec3(0.0f, 0.0f, 0.0f);
-    return m.diffuse * diffuseAmbient(m.normal);
+    vec3 reflected = m.diffuse;
+    if (HAS_LAYER(EFFECT_SHEEN)) reflected = reflected + m.sheenAlbedo;
+    reflected = reflected * diffuseAmbient(m.normal);
+    if (HAS_LAYER(EFFECT_DIFFUSE_TRANSMISSION)) {
+        bool through = maxComponent(m.through) > 0.0f;
+        if (ANY(through)) reflected = SELECT(through, reflected + m.through * diffuseAmbient(-m.normal), reflected);
+    }
+    return reflected;
 }
 
-// What the specular lobe reflects of it, as far as no ray follows it (nextRays): the split sum of Karis (2013).
-vec3 specularOfAmbient(IN(Shading) m, vec3 wo) {
+vec3 lobeOfAmbient(IN(Shading) m, vec3 wo) {
     vec3 share = m.albedo * ((1.0f - followedShare(m)) * (1.0f - m.transmission));
     vec3 result = vec3(0.0f, 0.0f, 0.0f);
     bool rough = maxComponent(share) > 0.0f;
     if (ANY(rough)) {
-        vec3 r = m.normal * (2.0f * dot(m.normal, wo)) - wo;
-        result = SELECT(rough, share * roughAmbient(m.normal, r, m.roughness), result);
+        vec3 n = m.normal;
+        if (HAS_LAYER(EFFECT_ANISOTROPY)) n = leaningNormal(m, wo);
+        vec3 r = n * (2.0f * dot(n, wo)) - wo;
+        result = SELECT(rough, share * roughAmbient(n, r, m.roughness), result);
+    }
+    return result;
+}
+
+// What the specular lobes reflect of it, as far as no ray follows them (nextRays): the split sum of Karis (2013).
+vec3 specularOfAmbient(IN(Shading) m, vec3 wo) {
+    vec3 result = lobeOfAmbient(m, wo);
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+        bool coated = m.coat > 0.0f;
+        if (ANY(coated)) result = SELECT(coated, result + lobeOfAmbient(coatOf(m), wo), result);
     }
     return result;
 }
@@ -133,24 +151,47 @@ float occlusionVisibility(uint visible) {
     return powKernel(share, FRAME.aoPower);
 }
 
+#include "effects/dispersion.glsl"
 #include "next_rays.glsl"
+
+// What rays of the diffuse lobes weigh on average.
+vec3 diffuseShare(IN(Shading) m, vec3 throughput) {
+    vec3 albedo = m.diffuse;
+    if (HAS_LAYER(EFFECT_SHEEN)) albedo = albedo + m.sheenAlbedo;
+    if (HAS_LAYER(EFFECT_DIFFUSE_TRANSMISSION)) albedo = albedo + m.through;
+    return throughput * albedo * m.alpha;
+}
+
+// What the sheen adds to a ray whose direction is spread by the cosine.
+vec3 sheenOfRay(IN(Shading) m, vec3 wo, vec3 direction, vec3 throughput) {
+    float density = max(dot(m.normal, direction), 1.0e-4f) * INV_PI;
+    return throughput * sheenTowards(m, wo, direction) * (m.alpha / density);
+}
 
 // The ray that brings indirect light in the place of the diffuse part of the ambient light; returns NEXT_INDIRECT where there is
 // one.
 uint indirectRay(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 throughput,
                  OUT(PathState) next) {
     vec3 weight = throughput * m.diffuse * m.alpha;
-    bool follow = diffuseBounces(p.depth) < FRAME.indirectBounces && maxComponent(weight) > FRAME.contributionThreshold;
-    if (HAS(EFFECT_PATH)) follow = bounces(p.depth) < FRAME.maxBounces && maxComponent(weight) > 0.0f;
+    float share = maxComponent(diffuseShare(m, throughput));
+    bool follow = diffuseBounces(p.depth) < FRAME.indirectBounces && share > FRAME.contributionThreshold;
+    if (HAS(EFFECT_PATH)) follow = bounces(p.depth) < FRAME.maxBounces && share > 0.0f;
     vec3 tangent;
     vec3 bitangent;
     orthonormalBasis(m.normal, tangent, bitangent);
     uint shift = hashPixel(pixel, hashUint(p.salt + INDIRECT_SALT) + FRAME.seed);
     vec3 direction = occlusionDirection(shuffledPoint(sampleIndex, shift), shift, m.normal, s.geometricNormal, tangent, bitangent);
-    next = continuedPath(p, s, direction, weight, 1.0f, 0u);
+    if (HAS_LAYER(EFFECT_SHEEN)) weight = weight + sheenOfRay(m, -p.direction, direction, throughput);
+    float side = 1.0f;
+    float chance = 1.0f;
+    if (HAS_LAYER(EFFECT_DIFFUSE_TRANSMISSION)) {
+        uint turn = hashUint(shift + THROUGH_SALT);
+        chooseSide(s, m, unitFloat(shuffledPoint(sampleIndex, turn).x ^ turn), throughput, direction, weight, side, chance);
+    }
+    next = continuedPath(p, s, direction, weight, side, 0u);
     next.salt = hashUint(p.salt + INDIRECT_SALT);
     next.coneSpread = INDIRECT_SPREAD;
-    next.lobe = max(dot(m.normal, direction), 1.0e-6f) * INV_PI;
+    next.lobe = max(dot(m.normal, direction) * side, 1.0e-6f) * (INV_PI * chance);
     uint depth = p.depth & ~RAY_KIND_BITS;
     if (HAS(EFFECT_PATH)) depth = depth + 1u;
     else depth = depth + ONE_DIFFUSE_BOUNCE;
@@ -177,8 +218,8 @@ float glowShare(IN(PathState) p, IN(Surface) s) {
     return SELECT(sharesLight(p), balance(p.lobe, density), 1.0f);
 }
 
-// How the rays `next` and those that leave by facets share the light of sampled places with rays to those.
-LightShares lightShares(IN(PathState) p, IN(Shading) m, vec3 throughput, uint next) {
+// How the rays `next` and those that leave by facets share the light of sampled places with rays to those; without the coat.
+LightShares baseShares(IN(PathState) p, IN(Shading) m, vec3 throughput, uint next) {
     LightShares r;
     bool phong = (m.flags & MATERIAL_PHONG) != 0u;
     bool solid = m.transmission == 0.0f;
@@ -193,6 +234,17 @@ LightShares lightShares(IN(PathState) p, IN(Shading) m, vec3 throughput, uint ne
         r.specularFromGlow = SELECT(rough, 1.0f, r.specularFromGlow);
         r.specularFromSky = SELECT(rough && reflects, 1.0f, r.specularFromSky);
         if (HAS(EFFECT_PATH)) r.specularFromSky = SELECT(rough, 1.0f, r.specularFromSky);
+    }
+    return r;
+}
+
+LightShares lightShares(IN(PathState) p, IN(Shading) m, vec3 throughput, uint next) {
+    LightShares r = baseShares(p, m, throughput, next);
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+        LightShares coat = baseShares(p, coatOf(m), throughput, uint(0u));
+        r.coatChance = coat.specularChance;
+        r.coatFromSky = coat.specularFromSky;
+        r.coatFromGlow = coat.specularFromGlow;
     }
     return r;
 }
@@ -213,14 +265,17 @@ struct Arrival {
     LightShares shares;
     uint next;         // NEXT_* bits of the paths that go on
     PathState indirect;
+    PathState coat;
     PathState reflection;
     PathState pass;
     PathState refraction;
 };
 
+#define FOR_COAT(DO) if (HAS_LAYER(EFFECT_CLEARCOAT)) { DO(NEXT_COAT, coat) }
 // The paths that go on as (bit of Arrival.next, member), in the order in which they are pushed: the last one is traced first.
 #define FOR_NEXT_PATHS(DO)          \
     DO(NEXT_INDIRECT, indirect)     \
+    FOR_COAT(DO)                    \
     DO(NEXT_REFLECTION, reflection) \
     DO(NEXT_PASS, pass)             \
     DO(NEXT_REFRACTION, refraction)
@@ -235,6 +290,7 @@ Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, 
     if (HAS(EFFECT_NESTED_MEDIA)) a.shading = shadingAmong(p.medium, a.surface);
     else a.shading = shadingAt(a.surface);
     a.wo = -p.direction;
+    if (HAS(EFFECT_DISPERSION)) disperse(a.shading, a.surface, channelOf(pixel, sampleIndex));
     seenFrom(a.shading, a.wo);
     a.shading.facet = reflectingNormal(pixel, sampleIndex, p.salt, a.shading, a.wo);
     a.throughput = arrivingThroughput(p, a.surface);
@@ -244,7 +300,12 @@ Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, 
     a.ambient = ambientBeside(a.next, a.shading, a.wo, a.throughput);
     a.occlusion = needsOcclusion(a.ambient) && a.next == 0u;
     radiance = SELECT(a.occlusion, radiance, radiance + a.ambient);
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+        if (ANY(a.shading.coat > 0.0f))
+            a.next = a.next | coatRay(pixel, sampleIndex, p, a.surface, a.shading, a.throughput, a.coat, radiance);
+    }
     a.next = a.next | nextRays(p, a.surface, a.shading, a.throughput, a.reflection, a.refraction, a.pass, radiance);
+    if (HAS(EFFECT_DISPERSION)) carryChannel(a.surface, a.shading, channelOf(pixel, sampleIndex), a.refraction);
     if (HAS_SKY_LIGHT || HAS_LAMPS || HAS(EFFECT_PATH)) a.shares = lightShares(p, a.shading, a.throughput, a.next);
     if (HAS(EFFECT_PATH)) chooseOne(pixel, sampleIndex, p.salt, a);
     a.air = 0.0f;

@@ -3,7 +3,9 @@
 #define HELIOGRAPH_RASTER_GLSL
 
 layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
+layout(constant_id = 1) const uint LAYERS = 0xffffffffu;
 #define HAS(effect) ((EFFECTS & (effect)) != 0u)
+#define HAS_LAYER(effect) ((LAYERS & (effect)) != 0u)
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"
 #include "vulkan/buffers.glsl"

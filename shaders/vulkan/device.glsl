@@ -11,12 +11,15 @@
 #endif
 #ifndef ASKED  // what the frame asks for, where EFFECTS may be more
 #define ASKED(effect) true
+#define ASKED_LAYER(effect) true
 #endif
 #define MET(variety) ((VARIETIES & (variety)) != 0u)
 #ifndef LEFT_OUT  // effects without code, for tests/check_specialisation.sh
 #define HAS(effect) ((EFFECTS & (effect)) != 0u && ASKED(effect))
+#define HAS_LAYER(effect) ((LAYERS & (effect)) != 0u && ASKED_LAYER(effect))
 #else
 #define HAS(effect) ((EFFECTS & ~LEFT_OUT & (effect)) != 0u && ASKED(effect))
+#define HAS_LAYER(effect) ((LAYERS & ~LEFT_OUT_LAYERS & (effect)) != 0u && ASKED_LAYER(effect))
 #endif
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"

@@ -3,7 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint EFFECTS = 0xffffffffu;
+layout(constant_id = 6) const uint LAYERS = 0xffffffffu;
 #define HAS(effect) ((EFFECTS & (effect)) != 0u)
+#define HAS_LAYER(effect) ((LAYERS & (effect)) != 0u)
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"
 #include "vulkan/buffers.glsl"

@@ -4,6 +4,7 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint EFFECTS = 0u;
+layout(constant_id = 6) const uint LAYERS = 0u;
 layout(constant_id = 1) const uint MODE = 0u;  // TRACE_CLOSEST or TRACE_ANY
 layout(constant_id = 2) const uint BVH_STACK = 64u;
 const uint VARIETIES = 0xffffffffu;

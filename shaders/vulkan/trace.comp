@@ -11,7 +11,9 @@ layout(constant_id = 2) const uint BVH_STACK = 64u;
 layout(constant_id = 3) const uint VARIETIES = 0xffffffffu;  // what the scene holds
 layout(constant_id = 4) const bool GENERAL = false;           // serves requests with fewer effects: the frame says which
 layout(constant_id = 5) const bool FIRST_SURFACE = false;         // paths end at their first surface; those that would go on are counted
+layout(constant_id = 6) const uint LAYERS = 0xffffffffu;          // effects from bit 32 on
 #define ASKED(effect) (!GENERAL || (FRAME.effects & (effect)) != 0u)
+#define ASKED_LAYER(effect) (!GENERAL || (FRAME.layers & (effect)) != 0u)
 
 #include "vulkan/device.glsl"
 

@@ -67,7 +67,7 @@ TEST(Effects, WhatIsNotCalledForWouldChangeNothing) {
         const EffectSet called = possibleEffects(explainEffects(*scenery.scene));
         const EffectSet allowed = allowedEffects(all);
         // What reads arrays that the scene does not have cannot be forced.
-        uint32_t impossible = called.has(EFFECT_ENVIRONMENT_IMAGE) ? 0u : EFFECT_ENVIRONMENT_IMAGE;
+        uint64_t impossible = called.has(EFFECT_ENVIRONMENT_IMAGE) ? 0 : EFFECT_ENVIRONMENT_IMAGE;
         if (scenery.scene->tangents.empty()) impossible |= EFFECT_TANGENTS;
         if (scenery.scene->environment.lightTreeLevels == 0) impossible |= EFFECT_MANY_LIGHTS;
         const Picture needed = rendered(scenery, all, {called.bits & allowed.bits});

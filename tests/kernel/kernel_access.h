@@ -9,7 +9,7 @@
 
 namespace heliograph::test {
 
-using EveryKernel = scalar_kernel::Kernel<0xffffffffu>;
+using EveryKernel = scalar_kernel::Kernel<~uint64_t(0)>;
 using glm::dvec3;
 
 constexpr float INFINITE = std::numeric_limits<float>::infinity();
@@ -20,7 +20,7 @@ inline EveryKernel bareKernel() {
     EveryKernel kernel{};
     kernel.scene.sobol = kernelTable().data();
     kernel.frame.effects = ~uint32_t(EFFECT_FILTERED_ENVIRONMENT | EFFECT_ENVIRONMENT_LIGHT | EFFECT_SURFACE_LIGHTS |
-                                     EFFECT_PATH | EFFECT_NESTED_MEDIA | EFFECT_MANY_LIGHTS);
+                                     EFFECT_PATH | EFFECT_NESTED_MEDIA | EFFECT_MANY_LIGHTS | EFFECT_DISPERSION);
     return kernel;
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 using namespace test;
 namespace wide = lanes_under_test;
-using WideKernel = wide::Kernel<0xffffffffu>;
+using WideKernel = wide::Kernel<~uint64_t(0)>;
 constexpr int LANES = wide::LANES;
 
 uint32_t bitsOf(float x) { return std::bit_cast<uint32_t>(x); }
@@ -50,7 +50,7 @@ void expectSame(const WideKernel::PathState& w, const EveryKernel::PathState& s,
     EXPECT_FIELD(salt);
 }
 
-void expectSame(const WideKernel::Surface& w, const EveryKernel::Surface& s, int lane, uint32_t effects) {
+void expectSame(const WideKernel::Surface& w, const EveryKernel::Surface& s, int lane, uint64_t effects) {
     EXPECT_FIELD(position);
     EXPECT_FIELD(distance);
     EXPECT_FIELD(geometricNormal);
@@ -162,10 +162,15 @@ void compareArrivals(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&h
         EXPECT_FIELD(occlusion);
         EXPECT_FIELD(air);
         EXPECT_EQ(w.next.v[lane], s.next);
-#define COMPARE(bit, path) \
-    if (s.next & EveryKernel::bit) expectSame(w.path, s.path, lane);
+#define HAS_LAYER(effect) true
+#define COMPARE(bit, path)                                                        \
+    if (s.next & EveryKernel::bit) {                                              \
+        SCOPED_TRACE(#path " of material " + std::to_string(s.surface.material)); \
+        expectSame(w.path, s.path, lane);                                         \
+    }
         FOR_NEXT_PATHS(COMPARE)
 #undef COMPARE
+#undef HAS_LAYER
     }
     for (uint32_t l = 0; l < lanes.allLights(); l++) {
         const uint32_t own = lanes.raysFromSurface(l, 1);
@@ -278,15 +283,16 @@ void compareScene(const Scene& scene, int groups, uint64_t seed) {
     WideKernel lanes{};
     Settings settings;
     settings.ambientOcclusion = true;
-    FrameRequest request{cameraFrom(scene.cameras[0]), settings, EffectSet{0xffffffffu}, uvec2(640, 480), 1};
+    FrameRequest request{cameraFrom(scene.cameras[0]), settings, EffectSet{~uint64_t(0)}, uvec2(640, 480), 1};
     request.previousCamera = request.camera;
     request.previousCamera->position += vec3(0.3f, -0.1f, 0.2f);
     scalar.scene = lanes.scene = sceneView(scene);
     scalar.frame = lanes.frame = frameConstants(scene, request);
-    const uint32_t sceneEffects = effectsOf(scene).bits;  // those that viewers choose are always among them
+    const EffectSet sceneEffects = effectsOf(scene);  // those that viewers choose are always among them
     Random random(seed);
     for (int group = 0; group < groups; group++) {
-        scalar.frame.effects = lanes.frame.effects = group % 2 ? sceneEffects & random.word() : sceneEffects;
+        scalar.frame.effects = lanes.frame.effects = group % 2 ? sceneEffects.low() & random.word() : sceneEffects.low();
+        scalar.frame.layers = lanes.frame.layers = group % 2 ? sceneEffects.high() & random.word() : sceneEffects.high();
         RandomHit hits[LANES];
         for (int i = 0; i < LANES; i++) hits[i] = group % 3 == 2 && i > 0 ? hits[i - 1] : randomHit(scene, scalar, random);
         compareGroup(scalar, lanes, hits, random);

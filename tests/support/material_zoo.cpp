@@ -96,6 +96,32 @@ std::vector<uint32_t> addMaterials(SceneBuilder& builder, const Textures& t) {
     add("unlit", [&](Material& m) { m.flags |= MATERIAL_UNLIT, m.baseTexture = t.colour; });
     add("normal map", [&](Material& m) { m.normalTexture = t.normal, m.normalScale = 0.8f, m.roughness = 0.2f; });
     add("hollows", [&](Material& m) { m.occlusionTexture = t.linear, m.occlusionStrength = 0.7f; });
+    const auto layered = [&](const char* name, const MaterialLayers& layers, auto&& change) {
+        add(name, [&](Material& m) { change(m), m.layers = builder.addLayers(layers); });
+    };
+    layered("varnish", {.coat = 1.0f, .coatRoughness = 0.1f, .coatTexture = t.linear}, [](Material&) {});
+    layered("rippled varnish",
+            {.coat = 0.7f, .coatRoughness = 0.5f, .coatRoughnessTexture = t.linear, .coatNormalTexture = t.normal},
+            [](Material& m) { m.metallic = 1.0f, m.roughness = 0.4f; });
+    layered("velvet",
+            {.sheenRed = 0.5f, .sheenGreen = 0.9f, .sheenBlue = 0.2f, .sheenRoughness = 0.5f, .sheenColorTexture = t.colour},
+            [](Material&) {});
+    layered("brushed", {.anisotropy = 0.8f, .anisotropyCosine = 0.6f, .anisotropySine = 0.8f},
+            [](Material& m) { m.metallic = 1.0f, m.roughness = 0.3f; });
+    layered("brushed by texture", {.anisotropy = 1.0f, .anisotropyTexture = t.linear},
+            [](Material& m) { m.metallic = 1.0f, m.roughness = 0.5f; });
+    layered("soap", {.iridescence = 1.0f, .iridescenceTexture = t.linear, .filmThicknessTexture = t.colour},
+            [](Material& m) { m.roughness = 0.2f; });
+    layered("prism", {.dispersion = 2.0f}, glass);
+    layered("paper", {.diffuseTransmission = 0.6f, .diffuseGreen = 0.5f, .diffuseColorTexture = t.colour}, [](Material&) {});
+    layered("everything",
+            {.coat = 0.5f,
+             .sheenRed = 0.3f,
+             .sheenRoughness = 0.4f,
+             .anisotropy = 0.5f,
+             .iridescence = 0.5f,
+             .diffuseTransmission = 0.2f},
+            [](Material& m) { m.roughness = 0.5f; });
     add("bump", [&](Material& m) { phong(m), m.normalTexture = t.colour, m.flags |= MATERIAL_BUMP, m.mirror = 0.2f; });
     return all;
 }

@@ -43,7 +43,7 @@ struct RayList {
 
 namespace {
 
-using RayKernel = scalar_kernel::Kernel<0xffffffffu>;
+using RayKernel = scalar_kernel::Kernel<~uint64_t(0)>;
 constexpr uint32_t BLOCK = 32;         // pixels of a block's side; blocks are traced as one task
 constexpr uint32_t TASK_PACKETS = 64;  // packets per task, as many as a block has
 

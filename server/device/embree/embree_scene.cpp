@@ -12,7 +12,7 @@ namespace heliograph {
 namespace {
 
 // The alpha test alone: what the filters need of the kernel.
-constexpr uint32_t ALPHA_EFFECTS = EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING | EFFECT_SECOND_UV;
+constexpr uint64_t ALPHA_EFFECTS = EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING | EFFECT_SECOND_UV;
 using AlphaKernel = scalar_kernel::Kernel<ALPHA_EFFECTS>;
 
 RTCBuildQuality buildQuality(uint32_t quality) {

@@ -5,7 +5,7 @@
 
 namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
-template <uint32_t EFFECTS>
+template <uint64_t EFFECTS>
 class ShadowRays {
 public:
     using KernelType = Kernel<EFFECTS>;

@@ -43,7 +43,7 @@ public:
 
 /// A program that can be made.
 struct TileProgramRow {
-    uint32_t effects;  // EFFECT_* bits that it can do
+    uint64_t effects;  // EFFECT_* bits that it can do
     std::unique_ptr<TileProgram> (*make)();
 };
 

@@ -36,9 +36,9 @@ const TileProgramTable& tileProgramTable() {
     return table;
 }
 
-uint32_t chooseTileProgram(const TileProgramTable& table, uint32_t effects) {
+uint32_t chooseTileProgram(const TileProgramTable& table, uint64_t effects) {
     uint32_t best = table.count - 1;
-    if (uint32_t lacking = effects & (table.leftOut | ~table.rows[best].effects)) {
+    if (uint64_t lacking = effects & (table.leftOut | ~table.rows[best].effects)) {
         std::string names;
         for (const std::string& name : effectNames({lacking})) names += " " + name;
         throw std::runtime_error("embree: this build was made without" + names);

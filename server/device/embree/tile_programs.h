@@ -9,6 +9,6 @@ namespace heliograph {
 const TileProgramTable& tileProgramTable();
 
 /// Index of the program with the fewest effects that can do `effects`. Throws std::runtime_error if none can.
-uint32_t chooseTileProgram(const TileProgramTable& table, uint32_t effects);
+uint32_t chooseTileProgram(const TileProgramTable& table, uint64_t effects);
 
 }  // namespace heliograph

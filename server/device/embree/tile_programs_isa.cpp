@@ -10,7 +10,7 @@ namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
 namespace {
 
-template <uint32_t EFFECTS>
+template <uint64_t EFFECTS>
 class CompiledProgram final : public TileProgram {
 public:
     void render(TileJob& job) override { TileTracer<EFFECTS>(job, arena_).render(); }
@@ -19,7 +19,7 @@ private:
     Arena arena_;
 };
 
-template <uint32_t EFFECTS>
+template <uint64_t EFFECTS>
 std::unique_ptr<TileProgram> makeProgram() {
     return std::make_unique<CompiledProgram<EFFECTS & ~HELIOGRAPH_EFFECTS_LEFT_OUT>>();
 }
@@ -29,9 +29,9 @@ enum class Tier { plain, mirrors, occlusion, sharp, spread, everything };
 
 /// Bits of the effects that the program of a tier has compiled in. What spreads its rays (shaders/kernel/effects) is looked
 /// for at run time in `spread` and `everything` alone, light that is sampled in the latter.
-constexpr uint32_t upTo(Tier last) {
-    uint32_t bits = 0;
-#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) bits |= Tier::tier <= last ? CONSTANT : 0u;
+constexpr uint64_t upTo(Tier last) {
+    uint64_t bits = 0;
+#define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) bits |= Tier::tier <= last ? CONSTANT : 0;
 #include "shaders/kernel/effect_table.glsl"
     return bits;
 }

@@ -8,7 +8,7 @@
 
 namespace heliograph::HELIOGRAPH_KERNEL_NAMESPACE {
 
-template <uint32_t EFFECTS>
+template <uint64_t EFFECTS>
 class TileTracer {
 public:
     using KernelType = Kernel<EFFECTS>;
@@ -287,10 +287,12 @@ private:
             int i = __builtin_ctz(some);
             uint32_t next = a.next.v[i];
             uint32_t lane = g.lane.v[i];
+#define HAS_LAYER(effect) ((EFFECTS & (effect)) != 0)
 #define PUSH(bit, path) \
     if (next & KernelType::bit) storeLane(arena_.stacks.push(lane), a.path, i);
             FOR_NEXT_PATHS(PUSH)
 #undef PUSH
+#undef HAS_LAYER
         }
     }
 

@@ -9,7 +9,7 @@ namespace heliograph {
 void throwNoMemory() { throw std::bad_alloc(); }
 
 vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint32_t media, uint64_t& rays) {
-    using KernelType = scalar_kernel::Kernel<0xffffffffu>;
+    using KernelType = scalar_kernel::Kernel<~uint64_t(0)>;
     KernelType kernel;
     kernel.scene = *job.view;
     kernel.frame = *job.frame;

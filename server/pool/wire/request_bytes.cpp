@@ -64,8 +64,8 @@ void readChoice(ByteReader& reader, uint32_t& value, std::string_view words) {
     readValue(reader, value, 0u, static_cast<uint32_t>(std::ranges::count(words, '|')));
 }
 
-uint32_t knownEffects() {
-    uint32_t bits = 0;
+uint64_t knownEffects() {
+    uint64_t bits = 0;
     for (const EffectRow& row : effectRows()) bits |= row.bit;
     return bits;
 }
@@ -108,7 +108,7 @@ FrameRequest readRequest(ByteReader& reader) {
     bool moves = false;
     readValue(reader, moves);
     if (moves) request.previousCamera = readCamera(reader);
-    request.effects.bits = reader.get<uint32_t>();
+    request.effects.bits = reader.get<uint64_t>();
     if ((request.effects.bits & ~knownEffects()) != 0) throw PoolMessageError("asks for an effect that there is not");
     readValue(reader, request.resolution.x, 1u, MOST_SIDE);
     readValue(reader, request.resolution.y, 1u, MOST_SIDE);

@@ -149,13 +149,13 @@ std::vector<vec3> areaWeightedNormals(std::span<const vec3> positions, std::span
     return normals;
 }
 
-MeshReport prepareMesh(MeshData& mesh, std::span<const Material> materials, std::span<const TextureSlot> textures) {
+MeshReport prepareMesh(MeshData& mesh, std::span<const Steering> materials) {
     MeshReport report;
     checkArrays(mesh, report);
     dropTriangles(mesh, materials.size(), report);
     dropUnusedVertices(mesh);
     fillNormals(mesh, report);
-    fillTangents(mesh, materials, textures);
+    fillTangents(mesh, materials);
     return report;
 }
 

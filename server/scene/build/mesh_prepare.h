@@ -1,7 +1,7 @@
 #pragma once
 // Turns MeshData as it came from a file into data that every device can trace. Private to server/scene.
 
-#include "server/scene/build/scene_builder.h"
+#include "server/scene/build/mesh_tangents.h"
 
 namespace heliograph {
 
@@ -16,10 +16,9 @@ struct MeshReport {
     void add(const MeshReport& other);
 };
 
-/// Drops what cannot be traced, removes unused vertices, fills in normals (area-weighted) and, where a material has a
-/// normal texture, tangents. Vertices whose triangles disagree in texture handedness are doubled. Texture and material
-/// indices of `materials` must be valid.
-MeshReport prepareMesh(MeshData& mesh, std::span<const Material> materials, std::span<const TextureSlot> textures);
+/// Drops what cannot be traced, removes unused vertices, fills in normals (area-weighted) and, where a material asks
+/// for them, tangents. Vertices whose triangles disagree in texture handedness are doubled.
+MeshReport prepareMesh(MeshData& mesh, std::span<const Steering> materials);
 
 /// Unit normals from the triangles, each weighted by its area; +Y for a vertex without any. Object space.
 std::vector<vec3> areaWeightedNormals(std::span<const vec3> positions, std::span<const uvec3> triangles);

@@ -29,8 +29,7 @@ struct TextureFrame {
 
 class TangentMaker {
 public:
-    TangentMaker(MeshData& mesh, std::span<const Material> materials, std::span<const TextureSlot> textures)
-        : mesh_(mesh), materials_(materials), textures_(textures) {}
+    TangentMaker(MeshData& mesh, std::span<const Steering> materials) : mesh_(mesh), materials_(materials) {}
 
     void make() {
         sums_.assign(mesh_.positions.size(), {});
@@ -44,8 +43,7 @@ public:
 private:
     const std::vector<vec2>& uvsOf(size_t triangle) const {
         const uint32_t material = mesh_.materials.empty() ? 0 : mesh_.materials[triangle];
-        const uint32_t texture = materials_[material].normalTexture;
-        return texture != NO_INDEX && textures_[texture].uvSet == 1 ? mesh_.uv1 : mesh_.uv0;
+        return materials_[material].uvSet == 1 ? mesh_.uv1 : mesh_.uv0;
     }
 
     TextureFrame frameOf(size_t triangle) const {
@@ -132,17 +130,16 @@ private:
     }
 
     MeshData& mesh_;
-    std::span<const Material> materials_;
-    std::span<const TextureSlot> textures_;
+    std::span<const Steering> materials_;
     std::vector<std::array<TangentSum, 2>> sums_;  // per vertex: plain and mirrored
     std::vector<bool> mirrored_;                   // per triangle
 };
 
-bool needsTangents(const MeshData& mesh, std::span<const Material> materials) {
-    if (mesh.materials.empty()) return !mesh.indices.empty() && materials[0].normalTexture != NO_INDEX;
+bool needsTangents(const MeshData& mesh, std::span<const Steering> materials) {
+    if (mesh.materials.empty()) return !mesh.indices.empty() && materials[0].asked;
     uint32_t last = NO_INDEX;
     for (uint32_t material : mesh.materials) {
-        if (material != last && materials[material].normalTexture != NO_INDEX) return true;
+        if (material != last && materials[material].asked) return true;
         last = material;
     }
     return false;
@@ -162,13 +159,26 @@ void repairTangents(MeshData& mesh) {
 
 }  // namespace
 
-void fillTangents(MeshData& mesh, std::span<const Material> materials, std::span<const TextureSlot> textures) {
+std::vector<Steering> steeringOf(const SceneDraft& draft) {
+    std::vector<Steering> all;
+    for (const Material& material : draft.scene.materials) {
+        const MaterialLayers layers = material.layers == NO_INDEX ? MaterialLayers{} : draft.layers[material.layers];
+        const bool brushed = layers.anisotropy > 0.0f;
+        uint32_t texture = material.normalTexture;
+        if (texture == NO_INDEX && brushed) texture = layers.anisotropyTexture;
+        if (texture == NO_INDEX) texture = layers.coatNormalTexture;
+        all.push_back({brushed || texture != NO_INDEX, texture == NO_INDEX ? 0 : draft.scene.textures[texture].uvSet});
+    }
+    return all;
+}
+
+void fillTangents(MeshData& mesh, std::span<const Steering> materials) {
     if (!needsTangents(mesh, materials)) {
         mesh.tangents.clear();
     } else if (!mesh.tangents.empty()) {
         repairTangents(mesh);
     } else {
-        TangentMaker(mesh, materials, textures).make();
+        TangentMaker(mesh, materials).make();
     }
 }
 

@@ -4,6 +4,7 @@
 #include "server/scene/build/content_hash.h"
 #include "server/scene/build/default_camera.h"
 #include "server/scene/build/image_pyramid.h"
+#include "server/scene/build/layer_words.h"
 #include "server/scene/build/mesh_assembly.h"
 #include "server/scene/build/mesh_prepare.h"
 #include "server/scene/build/scene_checks.h"
@@ -66,9 +67,8 @@ std::vector<bool> alphaWeightedImages(const Scene& scene, size_t imageCount) {
 
 void prepareMeshes(SceneDraft& draft) {
     std::vector<MeshReport> reports(draft.meshes.size());
-    tbb::parallel_for(size_t(0), draft.meshes.size(), [&](size_t i) {
-        reports[i] = prepareMesh(draft.meshes[i], draft.scene.materials, draft.scene.textures);
-    });
+    const std::vector<Steering> materials = steeringOf(draft);
+    tbb::parallel_for(size_t(0), draft.meshes.size(), [&](size_t i) { reports[i] = prepareMesh(draft.meshes[i], materials); });
     MeshReport sum;
     for (const MeshReport& report : reports) sum.add(report);
     const auto warn = [&](uint64_t count, const char* what) {
@@ -259,6 +259,11 @@ uint32_t SceneBuilder::addMaterial(const Material& material, const std::string& 
     return static_cast<uint32_t>(data_->scene.materials.size() - 1);
 }
 
+uint32_t SceneBuilder::addLayers(const MaterialLayers& layers) {
+    data_->layers.push_back(layers);
+    return static_cast<uint32_t>(data_->layers.size() - 1);
+}
+
 uint32_t SceneBuilder::addImage(ImageData image) {
     if (!validImage(image)) {
         addWarning(*data_, "image '" + image.name + "' is empty or too large: drawn white");
@@ -331,6 +336,7 @@ std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
     scene.surfaceImages = static_cast<uint32_t>(draft.images.size()) - (surroundings.environment.image != NO_INDEX ? 1 : 0);
     buildImages(draft, progress);
     report(progress, "images", 1.0);
+    appendLayers(draft);
     buildEnvironments(draft, surroundings);
     buildLights(draft, appendEmitters(scene));
     placeParallelCameras(draft);
@@ -354,7 +360,7 @@ Material SceneBuilder::defaultMaterial() {
     material.normalScale = material.occlusionStrength = 1.0f;
     material.baseTexture = material.metallicRoughnessTexture = material.normalTexture = NO_INDEX;
     material.emissionTexture = material.opacityTexture = NO_INDEX;
-    material.transmissionTexture = material.specularTexture = material.occlusionTexture = NO_INDEX;
+    material.transmissionTexture = material.specularTexture = material.occlusionTexture = material.layers = NO_INDEX;
     return material;
 }
 

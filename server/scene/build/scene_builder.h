@@ -9,7 +9,7 @@
 // there is none.
 
 #include "server/base/progress.h"
-#include "server/scene/scene.h"
+#include "server/scene/material_layers.h"
 
 #include <span>
 
@@ -43,6 +43,8 @@ public:
 
     /// Material 0 always exists: white, rough, metallic-roughness.
     uint32_t addMaterial(const Material& material, const std::string& name);
+    /// What a material has beyond its base: for Material.layers.
+    uint32_t addLayers(const MaterialLayers& layers);
     uint32_t addImage(ImageData image);
     uint32_t addTexture(const TextureSlot& slot);
     uint32_t addMesh(MeshData mesh);

@@ -59,6 +59,26 @@ int repairMaterial(Material& m, size_t textures) {
     return repair.count;
 }
 
+int repairLayers(MaterialLayers& l, size_t textures) {
+    Repair repair;
+    for (float* share : {&l.coat, &l.coatRoughness, &l.sheenRed, &l.sheenGreen, &l.sheenBlue, &l.sheenRoughness, &l.anisotropy,
+                         &l.iridescence, &l.diffuseTransmission})
+        repair.number(*share, 0.0f, 1.0f, 0.0f);
+    for (float* color : {&l.diffuseRed, &l.diffuseGreen, &l.diffuseBlue}) repair.number(*color, 0.0f, 1.0f, 1.0f);
+    for (float* turn : {&l.anisotropyCosine, &l.anisotropySine}) repair.number(*turn, -1.0f, 1.0f, 0.0f);
+    repair.number(l.coatNormalScale, -1e3f, 1e3f, 1.0f);
+    repair.number(l.filmIor, 1.0f, 10.0f, 1.3f);
+    repair.number(l.filmThinnest, 0.0f, 1e5f, 100.0f);
+    repair.number(l.filmThickest, 0.0f, 1e5f, 400.0f);
+    repair.number(l.dispersion, 0.0f, 20.0f, 0.0f);
+    for (uint32_t* index : {&l.coatTexture, &l.coatRoughnessTexture, &l.coatNormalTexture, &l.sheenColorTexture,
+                            &l.sheenRoughnessTexture, &l.anisotropyTexture, &l.iridescenceTexture, &l.filmThicknessTexture,
+                            &l.diffuseTransmissionTexture, &l.diffuseColorTexture})
+        repair.texture(*index, textures);
+    l.sheenTable = NO_INDEX;
+    return repair.count;
+}
+
 bool repairLight(Light& light) {
     if (!finite(light.position) || !finite(light.direction) || !finite(light.intensity)) return false;
     for (int i = 0; i < 3; i++) {
@@ -134,7 +154,10 @@ void checkMaterials(SceneDraft& draft) {
         if (slot.wrapV > WRAP_MIRROR) slot.wrapV = WRAP_REPEAT;
     }
     for (size_t i = 0; i < scene.materials.size(); i++) {
-        const int repaired = repairMaterial(scene.materials[i], scene.textures.size());
+        Material& material = scene.materials[i];
+        int repaired = repairMaterial(material, scene.textures.size());
+        if (material.layers >= draft.layers.size()) material.layers = NO_INDEX;
+        if (material.layers != NO_INDEX) repaired += repairLayers(draft.layers[material.layers], scene.textures.size());
         if (repaired > 0) {
             addWarning(draft, "material '" + scene.materialNames[i] + "': " + std::to_string(repaired) +
                                   " values out of range were clamped");

@@ -17,6 +17,7 @@ struct SceneDraft {
     std::vector<MeshData> meshes;
     std::vector<PlacedMesh> placed;
     std::vector<ImageData> images;
+    std::vector<MaterialLayers> layers;  // Material.layers of scene.materials is an index into these
     std::vector<Light> lights;
     std::optional<vec3> environmentColor;
     uint32_t environmentImage = NO_INDEX;

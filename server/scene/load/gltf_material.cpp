@@ -30,6 +30,7 @@ public:
         onExtension("KHR_materials_transmission", [this](const tinygltf::Value& e) { setTransmission(e); });
         onExtension("KHR_materials_volume", [this](const tinygltf::Value& e) { setVolume(e); });
         onExtension("HELIOGRAPH_materials_priority", [this](const tinygltf::Value& e) { setPriority(e); });
+        addLayers();
         onExtension("KHR_materials_unlit", [this](const tinygltf::Value&) { to_.flags |= MATERIAL_UNLIT; });
         return to_;
     }
@@ -135,6 +136,82 @@ private:
         if (!body) warn("HELIOGRAPH_materials_priority is of bodies that let light through (KHR_materials_volume): left out");
     }
 
+    float shareOf(const tinygltf::Value& e, const char* key) {
+        return std::clamp(static_cast<float>(numberOf(e, key, 0.0)), 0.0f, 1.0f);
+    }
+    uint32_t slotOf(const tinygltf::Value& e, const char* key, bool srgb) {
+        return textures_.slot(TextureUse::fromValue(e, key), srgb);
+    }
+
+    void addLayers() {
+        MaterialLayers layers;
+        const size_t before = layers_;
+        onLayer("KHR_materials_clearcoat", [&](const tinygltf::Value& e) { setCoat(e, layers); });
+        onLayer("KHR_materials_sheen", [&](const tinygltf::Value& e) { setSheen(e, layers); });
+        onLayer("KHR_materials_anisotropy", [&](const tinygltf::Value& e) { setAnisotropy(e, layers); });
+        onLayer("KHR_materials_iridescence", [&](const tinygltf::Value& e) { setFilm(e, layers); });
+        onLayer("KHR_materials_dispersion",
+                [&](const tinygltf::Value& e) { layers.dispersion = static_cast<float>(numberOf(e, "dispersion", 0.0)); });
+        onLayer("KHR_materials_diffuse_transmission", [&](const tinygltf::Value& e) { setThrough(e, layers); });
+        if (layers_ > before && warn_) to_.layers = builder_.addLayers(layers);  // at the second run
+    }
+
+    template <typename Action>
+    void onLayer(const char* name, const Action& action) {
+        onExtension(name, [&](const tinygltf::Value& e) {
+            action(e);
+            layers_++;
+        });
+    }
+
+    void setCoat(const tinygltf::Value& e, MaterialLayers& layers) {
+        layers.coat = shareOf(e, "clearcoatFactor");
+        layers.coatTexture = slotOf(e, "clearcoatTexture", false);
+        layers.coatRoughness = shareOf(e, "clearcoatRoughnessFactor");
+        layers.coatRoughnessTexture = slotOf(e, "clearcoatRoughnessTexture", false);
+        layers.coatNormalTexture = slotOf(e, "clearcoatNormalTexture", false);
+        if (layers.coatNormalTexture != NO_INDEX)
+            layers.coatNormalScale = static_cast<float>(numberOf(e.Get("clearcoatNormalTexture"), "scale", 1.0));
+    }
+
+    void setSheen(const tinygltf::Value& e, MaterialLayers& layers) {
+        const vec3 color = colorOf(e, "sheenColorFactor", vec3(0.0f));
+        layers.sheenRed = color.x;
+        layers.sheenGreen = color.y;
+        layers.sheenBlue = color.z;
+        layers.sheenColorTexture = slotOf(e, "sheenColorTexture", true);
+        layers.sheenRoughness = shareOf(e, "sheenRoughnessFactor");
+        layers.sheenRoughnessTexture = slotOf(e, "sheenRoughnessTexture", false);
+    }
+
+    void setAnisotropy(const tinygltf::Value& e, MaterialLayers& layers) {
+        layers.anisotropy = shareOf(e, "anisotropyStrength");
+        const double angle = numberOf(e, "anisotropyRotation", 0.0);
+        layers.anisotropyCosine = static_cast<float>(std::cos(angle));
+        layers.anisotropySine = static_cast<float>(std::sin(angle));
+        layers.anisotropyTexture = slotOf(e, "anisotropyTexture", false);
+    }
+
+    void setFilm(const tinygltf::Value& e, MaterialLayers& layers) {
+        layers.iridescence = shareOf(e, "iridescenceFactor");
+        layers.iridescenceTexture = slotOf(e, "iridescenceTexture", false);
+        layers.filmIor = static_cast<float>(numberOf(e, "iridescenceIor", 1.3));
+        layers.filmThinnest = static_cast<float>(numberOf(e, "iridescenceThicknessMinimum", 100.0));
+        layers.filmThickest = static_cast<float>(numberOf(e, "iridescenceThicknessMaximum", 400.0));
+        layers.filmThicknessTexture = slotOf(e, "iridescenceThicknessTexture", false);
+    }
+
+    void setThrough(const tinygltf::Value& e, MaterialLayers& layers) {
+        layers.diffuseTransmission = shareOf(e, "diffuseTransmissionFactor");
+        layers.diffuseTransmissionTexture = slotOf(e, "diffuseTransmissionTexture", false);
+        const vec3 color = colorOf(e, "diffuseTransmissionColorFactor", vec3(1.0f));
+        layers.diffuseRed = color.x;
+        layers.diffuseGreen = color.y;
+        layers.diffuseBlue = color.z;
+        layers.diffuseColorTexture = slotOf(e, "diffuseTransmissionColorTexture", true);
+    }
+
+    size_t layers_ = 0;  // extensions that are layers
     const tinygltf::Material& from_;
     GltfTextures& textures_;
     SceneBuilder& builder_;

@@ -7,9 +7,9 @@ UINT_CONSTANT(GLOSSY_SALT, 0x676c6f73u)
 // Whether reflection rays leave by facets. Paths always do.
 #define FOLLOWS_FACETS HAS(EFFECT_GLOSSY_REFLECTIONS | EFFECT_PATH)  // either
 
-// A facet's normal, seen from wo (both local, about +z); a = roughness squared, u and v in [0, 1).
-vec3 visibleNormalGgx(vec3 wo, float a, float u, float v) {
-    vec3 stretched = normalize3(vec3(a * wo.x, a * wo.y, wo.z));
+// A facet's normal, seen from wo (both local, about +z); a, b: width of the lobe along x and y, u and v in [0, 1).
+vec3 visibleNormalGgx(vec3 wo, float a, float b, float u, float v) {
+    vec3 stretched = normalize3(vec3(a * wo.x, b * wo.y, wo.z));
     float across = stretched.x * stretched.x + stretched.y * stretched.y;
     bool tilted = across > 1.0e-12f;
     float scale = 1.0f / sqrt(SELECT(tilted, across, 1.0f));
@@ -24,7 +24,7 @@ vec3 visibleNormalGgx(vec3 wo, float a, float u, float v) {
     float p2 = (1.0f - lean) * sqrt(max(1.0f - p1 * p1, 0.0f)) + lean * (r * sine);
     float p3 = sqrt(max(1.0f - p1 * p1 - p2 * p2, 0.0f));
     vec3 n = t1 * p1 + t2 * p2 + stretched * p3;
-    return normalize3(vec3(a * n.x, a * n.y, max(n.z, 1.0e-6f)));
+    return normalize3(vec3(a * n.x, b * n.y, max(n.z, 1.0e-6f)));
 }
 
 // The normal about which the surface reflects and bends a path that comes from wo: a facet's where it is rough, else its own.
@@ -40,8 +40,16 @@ vec3 reflectingNormal(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, IN(Shadi
             vec3 tangent;
             vec3 bitangent;
             orthonormalBasis(m.normal, tangent, bitangent);
+            float along = lobeWidth(m.roughness);
+            float across = along;
+            if (HAS_LAYER(EFFECT_ANISOTROPY)) {
+                tangent = m.tangent;
+                bitangent = m.bitangent;
+                along = m.widthAlong;
+                across = m.widthAcross;
+            }
             vec3 local = vec3(dot(wo, tangent), dot(wo, bitangent), max(dot(wo, m.normal), 1.0e-4f));
-            vec3 h = visibleNormalGgx(normalize3(local), lobeWidth(m.roughness), unitFloat(point.x ^ shift),
+            vec3 h = visibleNormalGgx(normalize3(local), along, across, unitFloat(point.x ^ shift),
                                       unitFloat(point.y ^ hashUint(shift)));
             vec3 facet = normalize3(tangent * h.x + bitangent * h.y + m.normal * h.z);
             normal = SELECT(rough, facet, m.normal);
@@ -53,6 +61,7 @@ vec3 reflectingNormal(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, IN(Shadi
 // What a ray that leaves by the facet weighs beside its Fresnel reflectance: the share of the facets that are seen from wo
 // and also from where the ray goes, G2 / G1. 1 for a mirror.
 float facetShare(IN(Shading) m, vec3 wo) {
+    if (HAS_LAYER(EFFECT_ANISOTROPY)) return facetShareAlong(m, wo);
     float a = SELECT(m.roughness > 0.0f, lobeWidth(m.roughness), 0.0f);
     float a2 = a * a;
     float woh = dot(wo, m.facet);

@@ -130,18 +130,41 @@ struct LightShares {
     float specularChance;    // that a ray leaves by a facet
     float specularFromSky;   // share of the specular reflection that rays to the environment image bring
     float specularFromGlow;  // the same for glowing surfaces
+    float coatChance;        // the same three of the coat
+    float coatFromSky;
+    float coatFromGlow;
 };
 
-// Radiance towards wo by a place's light, for one ray.
-vec3 reflectedPlace(IN(Shading) m, vec3 wo, IN(LightPlace) l, IN(LightShares) shares, float specularShare) {
-    float nDotL = max(dot(m.normal, l.direction), 0.0f);
-    float diffuseWeight = balance(l.density, shares.diffuseChance * nDotL * INV_PI);
-    vec3 whole = reflectedLight(m, wo, l.direction);
-    vec3 diffuse = m.diffuse * (nDotL * INV_PI);
+// Density with which a ray of the diffuse lobes goes there.
+float diffuseDensity(IN(Shading) m, vec3 wi) {
+    float nDotL = dot(m.normal, wi);
+    if (HAS_LAYER(EFFECT_DIFFUSE_TRANSMISSION)) {
+        float front = frontChance(m);
+        return SELECT(nDotL > 0.0f, nDotL * front, -nDotL * (1.0f - front)) * INV_PI;
+    }
+    return max(nDotL, 0.0f) * INV_PI;
+}
+
+// Radiance towards wo by a place's light, for one ray; without the coat.
+vec3 basePlace(IN(Shading) m, vec3 wo, IN(LightPlace) l, IN(LightShares) shares, float specularShare) {
+    float diffuseWeight = balance(l.density, shares.diffuseChance * diffuseDensity(m, l.direction));
+    vec3 whole = baseTowards(m, wo, l.direction);
+    vec3 diffuse = diffuseTowards(m, wo, l.direction);
     vec3 specular = whole - diffuse;
-    float nDotH = saturate(dot(m.normal, normalize3(wo + l.direction)));
-    float facets = visibleDensity(max(dot(m.normal, wo), 1.0e-4f), nDotH, lobeWidth(m.roughness));
+    float facets = facetDensity(m, wo, normalize3(wo + l.direction));
     float specularWeight = balance(l.density, shares.specularChance * facets) * specularShare;
     float perDensity = SELECT(l.density > 0.0f, 1.0f / max(l.density, 1.0e-30f), 0.0f);
     return (diffuse * diffuseWeight + specular * specularWeight) * l.radiance * perDensity;
+}
+
+// The same with what the coat adds.
+vec3 reflectedPlace(IN(Shading) m, vec3 wo, IN(LightPlace) l, IN(LightShares) shares, float specularShare, float coatShare) {
+    vec3 result = basePlace(m, wo, l, shares, specularShare);
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+        bool coated = m.coat > 0.0f;
+        LightShares coats = shares;
+        coats.specularChance = shares.coatChance;
+        if (ANY(coated)) result = SELECT(coated, result + basePlace(coatOf(m), wo, l, coats, coatShare), result);
+    }
+    return result;
 }

@@ -26,19 +26,34 @@ void endByChance(float v, INOUT(Arrival) a) {
 // Keeps one of the paths that go on, weighted by one over its chance; tells the rays to sampled lights of it.
 void chooseOne(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, INOUT(Arrival) a) {
     float diffuse = weightOf(a.next, NEXT_INDIRECT, a.indirect);
+    // By several lobes the mean, as by facets.
+    if (HAS_LAYER(EFFECT_SHEEN | EFFECT_DIFFUSE_TRANSMISSION))
+        diffuse = SELECT((a.next & NEXT_INDIRECT) != 0u, maxComponent(diffuseShare(a.shading, a.throughput)), 0.0f);
     float reflected = weightOf(a.next, NEXT_REFLECTION, a.reflection);
     // By facets a mean of theirs: the chance of each way has to be the same for rays to lights, which know nothing of the facet.
     bool shared_ = a.shares.specularChance > 0.0f;
     reflected = SELECT(shared_, reflectedShare(a.shading, a.throughput, vec3(0.0f, 0.0f, 0.0f)), reflected);
     float passed = weightOf(a.next, NEXT_PASS, a.pass);
     float refracted = weightOf(a.next, NEXT_REFRACTION, a.refraction);
-    float sum = diffuse + reflected + passed + refracted;
+    float coated = 0.0f;
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+        coated = weightOf(a.next, NEXT_COAT, a.coat);
+        coated = SELECT(a.shares.coatChance > 0.0f, maxComponent(a.throughput) * a.shading.coatAlbedo * a.shading.alpha, coated);
+    }
+    float sum = diffuse + reflected + passed + refracted + coated;
     float perSum = 1.0f / SELECT(sum > 0.0f, sum, 1.0f);
     uint shift = hashPixel(pixel, hashUint(salt + PATH_SALT) + FRAME.seed);
     uvec2 number = shuffledPoint(sampleIndex, shift);
     float u = unitFloat(number.x ^ shift) * sum;
     uint next = SELECT(u < diffuse, uint(NEXT_INDIRECT), SELECT(u < diffuse + reflected, uint(NEXT_REFLECTION),
                 SELECT(u < diffuse + reflected + passed, uint(NEXT_PASS), uint(NEXT_REFRACTION))));
+    if (HAS_LAYER(EFFECT_CLEARCOAT)) {
+        next = SELECT(u >= sum - coated && coated > 0.0f, uint(NEXT_COAT), next);
+        a.coat.throughput = a.coat.throughput * (sum / max(coated, 1.0e-30f));
+        float facets = a.coat.lobe * (coated * perSum);
+        a.coat.lobe = SELECT(a.coat.lobe < FLOAT_MAX, facets, FLOAT_MAX);
+        a.shares.coatChance = a.shares.coatChance * (coated * perSum);
+    }
     a.next = a.next & next;
     a.indirect.throughput = a.indirect.throughput * (sum / max(diffuse, 1.0e-30f));
     a.indirect.lobe = a.indirect.lobe * (diffuse * perSum);

@@ -27,10 +27,10 @@ TEST(EffectBench, EachEffectIsMeasuredInPairsOfChangingOrder) {
     test::DirectRenderer renderer(device);
     EffectBenchResult result = benchEffects(renderer, *test::squareScene(), smallBench(), {});
     const size_t rows = result.rows.size();
-    ASSERT_EQ(rows, effectNames({~0u}).size());
+    ASSERT_EQ(rows, effectNames({~uint64_t(0)}).size());
     ASSERT_EQ(device.requests.size(), 3 * 2 * rows) << "one round warms up";
     for (size_t i = 0; i < rows; i++) {
-        const uint32_t bit = result.rows[i].effect.bit;
+        const uint64_t bit = result.rows[i].effect.bit;
         for (size_t round = 0; round < 3; round++) {
             const FrameRequest &a = device.requests[2 * (round * rows + i)], &b = device.requests[2 * (round * rows + i) + 1];
             const FrameRequest &on = round % 2 == 0 ? a : b, &off = round % 2 == 0 ? b : a;

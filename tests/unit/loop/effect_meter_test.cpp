@@ -84,7 +84,7 @@ TEST(EffectMeter, MeasuresEachEffectOnAndOff) {
     EXPECT_EQ(costs.scene, "square");
     EXPECT_EQ(costs.device, "counting");
     EXPECT_TRUE(device->prepared);
-    ASSERT_EQ(costs.rows.size(), effectNames({~0u}).size());
+    ASSERT_EQ(costs.rows.size(), effectNames({~uint64_t(0)}).size());
     const uint64_t pixels = static_cast<uint64_t>(costs.size.x) * costs.size.y;
     EXPECT_NEAR(costs.scale * static_cast<double>(pixels), 96.0 * 64.0, 1e-6);
     EXPECT_EQ(costs.rows[0].name, "shadows");

@@ -19,7 +19,7 @@ FrameRequest request(const Settings& settings = {}) {
     return base;
 }
 
-const EffectPair& pairOf(const std::vector<EffectPair>& pairs, uint32_t effect) {
+const EffectPair& pairOf(const std::vector<EffectPair>& pairs, uint64_t effect) {
     for (const EffectPair& pair : pairs) {
         if (pair.effect.bit == effect) return pair;
     }
@@ -29,7 +29,7 @@ const EffectPair& pairOf(const std::vector<EffectPair>& pairs, uint32_t effect) 
 TEST(EffectPair, OnAndOffDifferInTheEffectsBitAlone) {
     const std::vector<EffectReason> effects = explainEffects(*glassScene());
     const std::vector<EffectPair> pairs = effectPairs(effects, request());
-    ASSERT_EQ(pairs.size(), effectNames({~0u}).size()) << "one a row of the table";
+    ASSERT_EQ(pairs.size(), effectNames({~uint64_t(0)}).size()) << "one a row of the table";
     for (const EffectPair& pair : pairs) {
         EXPECT_EQ(pair.on.effects.bits & ~pair.off.effects.bits, pair.effect.possible() ? pair.effect.bit : 0u)
             << pair.effect.name;

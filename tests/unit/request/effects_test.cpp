@@ -14,7 +14,7 @@ using test::litBuilder;
 using test::square;
 using test::squareScene;
 
-EffectReason reasonFor(const Scene& scene, uint32_t effect) {
+EffectReason reasonFor(const Scene& scene, uint64_t effect) {
     for (const EffectReason& reason : explainEffects(scene)) {
         if (reason.bit == effect) return reason;
     }
@@ -22,7 +22,7 @@ EffectReason reasonFor(const Scene& scene, uint32_t effect) {
     return {};
 }
 
-bool calls(const std::function<void(Material&)>& change, uint32_t effect) {
+bool calls(const std::function<void(Material&)>& change, uint64_t effect) {
     return reasonFor(*squareScene(change), effect).calledFor;
 }
 
@@ -44,7 +44,7 @@ TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
 
 TEST(EffectSet, WhatTheViewerChoosesIsNotCalledFor) {
     const auto scene = squareScene();
-    for (uint32_t bit :
+    for (uint64_t bit :
          {EFFECT_AMBIENT_OCCLUSION, EFFECT_DEPTH_OF_FIELD, EFFECT_FOG, EFFECT_MOTION_BLUR, EFFECT_INDIRECT_LIGHT}) {
         const EffectReason reason = reasonFor(*scene, bit);
         EXPECT_FALSE(reason.calledFor) << reason.name;
@@ -56,7 +56,7 @@ TEST(EffectSet, WhatTheViewerChoosesIsNotCalledFor) {
 TEST(EffectSet, OneRowPerEffectOfTheTableInItsOrder) {
     std::vector<EffectReason> reasons = explainEffects(*squareScene());
     std::vector<std::string> names;
-    uint32_t all = 0;
+    uint64_t all = 0;
     size_t simulated = 0;
     for (const EffectReason& reason : reasons) {
         if (reason.simulated) {
@@ -67,7 +67,7 @@ TEST(EffectSet, OneRowPerEffectOfTheTableInItsOrder) {
         EXPECT_FALSE(reason.because.empty()) << reason.name;
     }
     EXPECT_EQ(names, effectNames({all}));
-    EXPECT_EQ(all + 1, 1u << simulated) << "bits are dense";
+    EXPECT_EQ(all + 1, uint64_t(1) << simulated) << "bits are dense";
 }
 
 TEST(EffectSet, WhatAFileWouldHaveMovingIsToldAndCostsNothing) {
@@ -311,7 +311,7 @@ TEST(EffectSet, BlackLightsCastNoShadows) {
 
 TEST(EffectSet, NothingFallsOnUnlitSurfaces) {
     const auto scene = squareScene([](Material& m) { m.flags |= MATERIAL_UNLIT; });
-    for (uint32_t effect :
+    for (uint64_t effect :
          {EFFECT_SHADOWS, EFFECT_TRANSPARENT_SHADOWS, EFFECT_SOFT_SHADOWS, EFFECT_AMBIENT_OCCLUSION, EFFECT_INDIRECT_LIGHT}) {
         EXPECT_FALSE(effectsOf(*scene).has(effect));
         EXPECT_EQ(reasonFor(*scene, effect).because, "every surface is unlit");

@@ -34,7 +34,7 @@ Settings with(const std::string& text) {
     return settings;
 }
 
-bool shows(const Scene& scene, const Settings& settings, uint32_t effect) {
+bool shows(const Scene& scene, const Settings& settings, uint64_t effect) {
     return effectsUnder(scene, effectsOf(scene), settings).has(effect);
 }
 

@@ -101,17 +101,17 @@ TEST(SceneNames, AFileOfThatNameComesBeforeAVariant) {
 
 TEST(GltfExtensions, EachIsListedWithWhatBecomesOfIt) {
     const ScratchFolder folder;
-    const std::string used = R"(,"extensionsUsed":["KHR_texture_transform","KHR_materials_sheen","MINE_own"])";
+    const std::string used = R"(,"extensionsUsed":["KHR_texture_transform","KHR_materials_volume_scatter","MINE_own"])";
     const auto scene = openScene(folder.write("a.gltf", triangleJson(dataUri(triangleBytes()), used)));
     ASSERT_EQ(scene->extensions.size(), 3u);
     EXPECT_TRUE(scene->extensions[0].read);
     EXPECT_FALSE(scene->extensions[1].read);
-    EXPECT_EQ(scene->extensions[1].note, whyNotRead("KHR_materials_sheen"));
+    EXPECT_EQ(scene->extensions[1].note, whyNotRead("KHR_materials_volume_scatter"));
     EXPECT_FALSE(scene->extensions[2].read);
-    EXPECT_THAT(scene->warnings, ::testing::Contains("extension 'KHR_materials_sheen' is not read: surfaces have no sheen"));
-    const std::string required = R"(,"extensionsUsed":["KHR_materials_sheen"],"extensionsRequired":["KHR_materials_sheen"])";
+    EXPECT_THAT(scene->warnings, ::testing::Contains("extension 'KHR_materials_volume_scatter' is not read: bodies absorb and do not scatter"));
+    const std::string required = R"(,"extensionsUsed":["KHR_materials_volume_scatter"],"extensionsRequired":["KHR_materials_volume_scatter"])";
     EXPECT_THAT(faultOf(folder.write("b.gltf", triangleJson(dataUri(triangleBytes()), required))),
-                HasSubstr("extension 'KHR_materials_sheen', which is not read: surfaces have no sheen; allowed: KHR_lights"));
+                HasSubstr("extension 'KHR_materials_volume_scatter', which is not read: bodies absorb and do not scatter; allowed: KHR_lights"));
     EXPECT_THAT(openScene("cornell")->extensions, IsEmpty());
 }
 

@@ -97,8 +97,9 @@ VkPipeline RasterPipelines::get(EffectSet effects) {
 }
 
 OwnedPipeline RasterPipelines::make(EffectSet effects) const {
-    const VkSpecializationMapEntry entry{0, 0, 4};
-    VkSpecializationInfo specialization{1, &entry, 4, &effects.bits};
+    const uint32_t words[] = {effects.low(), effects.high()};
+    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}};
+    VkSpecializationInfo specialization{2, entries, sizeof words, words};
     const VkShaderStageFlagBits kinds[] = {VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_FRAGMENT_BIT};
     VkPipelineShaderStageCreateInfo stages[2];
     for (int i = 0; i < 2; i++)

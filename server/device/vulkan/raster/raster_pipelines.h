@@ -38,7 +38,7 @@ private:
     OwnedDescriptorPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;  // the pool's
     OwnedShaderModule modules_[2];
-    std::map<uint32_t, OwnedPipeline> pipelines_;
+    std::map<uint64_t, OwnedPipeline> pipelines_;
 };
 
 }  // namespace heliograph

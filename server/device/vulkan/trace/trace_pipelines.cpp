@@ -12,7 +12,7 @@ namespace heliograph {
 
 namespace {
 
-constexpr size_t GENERAL = 4, EXACT = 6;  // which of a key's numbers
+constexpr size_t GENERAL = 4, EXACT = 7;  // which of a key's numbers
 
 OwnedShaderModule moduleOf(const Gpu& gpu, const std::vector<uint32_t>& code) {
     VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
@@ -29,7 +29,7 @@ uint32_t roundUp(uint32_t n, uint32_t step) { return (n + step - 1) / step * ste
 
 uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
     if (effects.has(EFFECT_PATH)) return 1;
-    // The ray pushed last is traced first, in the order refraction, pass, reflection. So along the chain of rays that leads
+    // The ray pushed last is traced first, in the order refraction, pass, reflection, coat. So along the chain of rays that leads
     // to a pixel's deepest one, a refraction leaves up to two others waiting, a pass one, a reflection none.
     uint32_t reflects = effects.has(EFFECT_REFLECTIONS) && settings.maxReflections > 0 ? 1 : 0;
     uint32_t refractions = effects.has(EFFECT_REFRACTIONS) ? settings.maxRefractions : 0;
@@ -37,8 +37,11 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
     uint32_t passes = layers > 0 ? 1 : 0;
     uint32_t waiting = refractions * (reflects + passes) + layers * reflects;
     uint32_t last = reflects + passes + (refractions > 0 ? 1 : 0);
-    // Indirect light leaves one more at every surface that another ray goes on from; its own, traced last, leave none.
-    if (effects.has(EFFECT_INDIRECT_LIGHT)) waiting += 1 + (reflects > 0 ? settings.maxReflections : 0) + refractions + layers;
+    // Indirect light leaves one more at every surface that another ray goes on from; its own, traced last, leave none. A coat's
+    // reflection waits for all others but that.
+    const uint32_t bounces = (reflects > 0 ? settings.maxReflections : 0) + refractions + layers;
+    if (effects.has(EFFECT_INDIRECT_LIGHT)) waiting += 1 + bounces;
+    if (effects.has(EFFECT_CLEARCOAT) && reflects > 0) waiting += 1 + bounces;
     uint32_t size = waiting + last;
     return size <= 1 ? 1 : size <= 4 ? 4 : roundUp(size, 8);
 }
@@ -107,8 +110,8 @@ void TracePipelines::freeSet(VkDescriptorSet set) {
 }
 
 TracePipelines::Key TracePipelines::keyOf(const Kind& kind) {
-    return {kind.effects.bits, kind.pathStack,    roundUp(kind.bvhStack, 16), kind.varieties,
-            kind.general,      kind.firstSurface, kind.exactRounding};
+    return {kind.effects.low(), kind.pathStack,    roundUp(kind.bvhStack, 16), kind.varieties,
+            kind.general,       kind.firstSurface, kind.effects.high(),        kind.exactRounding};
 }
 
 VkPipeline TracePipelines::find(const Kind& kind) {
@@ -148,8 +151,9 @@ size_t TracePipelines::count() const {
 }
 
 OwnedPipeline TracePipelines::make(const Key& constants) const {
-    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}, {2, 8, 4}, {3, 12, 4}, {4, 16, 4}, {5, 20, 4}};
-    VkSpecializationInfo specialization{6, entries, sizeof constants, constants.data()};
+    const VkSpecializationMapEntry entries[] = {{0, 0, 4},  {1, 4, 4},  {2, 8, 4}, {3, 12, 4},
+                                                {4, 16, 4}, {5, 20, 4}, {6, 24, 4}};
+    VkSpecializationInfo specialization{7, entries, sizeof constants, constants.data()};
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                   nullptr,
@@ -166,9 +170,9 @@ OwnedPipeline TracePipelines::make(const Key& constants) const {
     OwnedPipeline made{gpu_.handle(), pipeline};
     if (gpu_.pipelineStatistics()) {
         log().info(
-            "{}: effects {:#x}, path stack {}, bvh stack {}, varieties {:#x}, general {}, first surface {}, exact {}: {}",
-            gpu_.physical().name, constants[0], constants[1], constants[2], constants[3], constants[4], constants[5],
-            constants[EXACT], pipelineStatistics(gpu_, pipeline));
+            "{}: effects {:#x} {:#x}, path stack {}, bvh stack {}, varieties {:#x}, general {}, first surface {}, exact {}: {}",
+            gpu_.physical().name, constants[0], constants[6], constants[1], constants[2], constants[3], constants[4],
+            constants[5], constants[EXACT], pipelineStatistics(gpu_, pipeline));
     }
     return made;
 }

@@ -51,7 +51,7 @@ public:
     size_t count() const;
 
 private:
-    using Key = std::array<uint32_t, 7>;  // as in Kind: the values of the shader's six constants, and which module
+    using Key = std::array<uint32_t, 8>;  // as in Kind: the values of the shader's seven constants, and which module
     static Key keyOf(const Kind& kind);
     OwnedPipeline make(const Key& constants) const;
 

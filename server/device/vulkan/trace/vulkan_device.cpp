@@ -204,7 +204,7 @@ public:
 
 private:
     /// What tells the programs of requests apart, beside what belongs to the scene.
-    using WarmKey = std::array<uint32_t, 4>;
+    using WarmKey = std::array<uint64_t, 4>;
     WarmKey warmKey(const FrameRequest& request) const {
         return {request.effects.bits, pathStackSize(request.effects, request.settings),
                 treeQuality(request.settings.bvhQuality), roundsExactly(request.settings)};

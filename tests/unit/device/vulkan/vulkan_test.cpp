@@ -273,8 +273,8 @@ TEST_F(Vulkan, ThereAreAsManySetsAsWereAskedForAndNoMore) {
 TEST_F(Vulkan, PipelinesThatWereUsedLongAgoGo) {
     Gpu gpu(context_, context_->find(""));
     TracePipelines pipelines(gpu, GpuScene::widthFor(gpu.physical()), 1);
-    auto kind = [](uint32_t effects, bool general) { return TracePipelines::Kind{{effects}, 1, 16, 0, general}; };
-    for (uint32_t effects : {0u, uint32_t(EFFECT_SHADOWS)}) pipelines.get(kind(effects, false));
+    auto kind = [](uint64_t effects, bool general) { return TracePipelines::Kind{{effects}, 1, 16, 0, general}; };
+    for (uint64_t effects : {uint64_t(0), EFFECT_SHADOWS}) pipelines.get(kind(effects, false));
     pipelines.get(kind(0, true));
     pipelines.get(kind(0, false));  // used again
     EXPECT_EQ(pipelines.trim(2), 0u);
