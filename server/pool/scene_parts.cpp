@@ -128,6 +128,7 @@ Scene sceneOf(std::span<const uint8_t> bytes) {
     });
     reader.end();
     checkSceneArrays(scene);
+    scene.materialNames.resize(scene.materials.size());  // for people: they stay with the head
     return scene;
 }
 

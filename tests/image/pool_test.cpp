@@ -4,6 +4,7 @@
 #include "server/device/remote/remote_device.h"
 #include "server/pool/local_transport.h"
 #include "server/pool/node/render_node.h"
+#include "server/request/effect_rules.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/support/direct_renderer.h"
 #include "tests/support/places.h"
@@ -85,6 +86,14 @@ TEST(SceneParts, ASceneComesBackAsItWas) {
     EXPECT_EQ(back->contentHash, scene->contentHash);
     EXPECT_EQ(back->rayReach(), scene->rayReach());
     EXPECT_EQ(SceneParts(back).name(), parts.name()) << "bit for bit";
+}
+
+TEST(SceneParts, ANodeCallsForTheEffectsThatTheHeadCallsFor) {
+    for (const char* name : {"glass", "courtyard", "effects/many-lights", "effects/nested-glass", "effects/image-light"}) {
+        const std::shared_ptr<const Scene> scene = openScene(name);
+        const SceneParts parts(scene);
+        EXPECT_EQ(effectsOf(sceneOf(bytesOf(parts))), effectsOf(*scene)) << name;
+    }
 }
 
 TEST(SceneParts, DamagedBytesAreRefused) {
