@@ -33,6 +33,7 @@ struct NodeOptions {
     std::string name;
     std::string cache = "auto";
     uint64_t sceneMib = 0;
+    double pace = 0.0;
     bool logJson = false;
     std::string logLevel = "info";
 };
@@ -83,6 +84,7 @@ int node(const NodeOptions& options) {
     if (options.cache == "auto") made.folder = cacheFolder().empty() ? "" : cacheFolder() / "scenes";
     else if (options.cache != "none") made.folder = options.cache;
     made.sceneBytes = (options.sceneMib > 0 ? options.sceneMib << 20 : usableMemory() / 3);
+    made.raysPerSecond = 1e6 * options.pace;
     const std::string name = made.name, hardware = made.hardware;
     std::optional<ShutdownLimit> limit;  // lives longer than the node and its line: it watches their end
     const std::shared_ptr<Transport> transport = makeNatsTransport(options.broker, "heliograph node " + name);
@@ -117,6 +119,9 @@ void addNodeCommand(CLI::App& app, std::function<int()>& run) {
         ->default_str("~/.cache/heliograph/scenes");
     command->add_option("--scene-size", options->sceneMib, "The largest scene that is taken; 0: a third of the memory")
         ->type_name("MIB");
+    command->add_option("--pace", options->pace, "Render no faster than this, to measure pools on few cores; 0: no limit")
+        ->check(CLI::Range(0.0, 1e6))
+        ->type_name("MRAYS/S");
     command->add_option("--log-level", options->logLevel, "trace, debug, info, warn, error or off")
         ->check([](const std::string& level) {
             checkLogLevel(level);

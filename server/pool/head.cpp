@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 constexpr auto LOOK_AROUND = 50ms;
 constexpr double ORDER_AGAIN = 2.0;  // seconds after which a node is told again to load
 /// Without a word, from a node that has nothing to do.
-constexpr double LOST_SECONDS = 1.5;
+constexpr double LOST_SECONDS = SILENCE_SECONDS;
 constexpr double ROUND_TRIP_WEIGHT = 0.2;
 /// A piece's result fits into a message with room to spare.
 constexpr size_t MOST_PIECE_PIXELS = 48 * 1024;
@@ -26,9 +26,12 @@ constexpr size_t MOST_PIECE_PIXELS = 48 * 1024;
 
 PoolHead::PoolHead(std::shared_ptr<Transport> transport, const Digest& build)
     : transport_(std::move(transport)), build_(build), id_(newPeerId()), members_(build) {
-    beats_ = transport_->subscribe(NODE_BEATS, [this](auto bytes) { guarded(bytes, &PoolHead::heardBeat); });
-    inbox_ = transport_->subscribe(headSubject(id_), [this](auto bytes) { guarded(bytes, &PoolHead::heardNode); });
-    asks_ = transport_->subscribe(sceneSubject(id_), [this](auto bytes) { guarded(bytes, &PoolHead::heardAsk); });
+    beats_ =
+        transport_->subscribe(NODE_BEATS, [this](std::span<const uint8_t> bytes) { guarded(bytes, &PoolHead::heardBeat); });
+    inbox_ = transport_->subscribe(headSubject(id_),
+                                   [this](std::span<const uint8_t> bytes) { guarded(bytes, &PoolHead::heardNode); });
+    asks_ = transport_->subscribe(sceneSubject(id_),
+                                  [this](std::span<const uint8_t> bytes) { guarded(bytes, &PoolHead::heardAsk); });
     nobody_ = transport_->whenNobody([this](uint32_t number) { drop(number, "has gone: it listens no more"); });
     beater_ = std::jthread([this](std::stop_token stop) { beat(stop); });
 }
@@ -44,7 +47,9 @@ PoolHead::~PoolHead() {
 
 /// What strangers send ends nothing.
 void PoolHead::guarded(std::span<const uint8_t> bytes, void (PoolHead::*handler)(std::span<const uint8_t>)) {
+    counts_.received += bytes.size();
     try {
+        checkSealed(bytes);
         (this->*handler)(bytes);
     } catch (const std::exception& error) {
         if (counts_.unsound++ == 0) log().warn("pool: a message was dropped: {}", error.what());
@@ -64,7 +69,7 @@ void PoolHead::heardBeat(std::span<const uint8_t> bytes) {
     if (!joined.empty()) log().info("pool: {} joined as {} ({})", shownText(beat.name), joined, shownText(beat.hardware));
     if (!refusal) return;
     log().warn("pool: {} is refused: {}", shownText(beat.name), refusal->why);
-    transport_->publish(nodeSubject(beat.id), bytesOf(*refusal));
+    publish(nodeSubject(beat.id), bytesOf(*refusal));
 }
 
 void PoolHead::heardNode(std::span<const uint8_t> bytes) {
@@ -93,8 +98,28 @@ void PoolHead::heardNode(std::span<const uint8_t> bytes) {
     std::lock_guard lock(pending->mutex);
     pending->heard = wallSeconds();
     if (end) pending->end = std::move(end), pending->endedAt = wallSeconds();
-    else pending->arrived.emplace_back(bytes.begin(), bytes.end());
-    pending->changed.notify_all();
+    else pending->take(bytes);
+    if (pending->end || pending->failure) pending->changed.notify_all();
+}
+
+/// Hands on what came, here and now: whoever waits for the batch is not woken for each message, which would cost more than the
+/// message. With the lock held.
+void PoolHead::Pending::take(std::span<const uint8_t> bytes) {
+    if (isOver) return;
+    try {
+        readTileResults(bytes, tiles, device, [this](size_t piece, TileResult&& result) {
+            if (came[piece]) return;
+            came[piece] = true;
+            made++;
+            rays += result.rays.total();
+            sink(piece, std::move(result));
+        });
+    } catch (const PoolMessageError&) {
+        throw;  // what strangers send ends no batch
+    } catch (...) {
+        failure = std::current_exception();
+        isOver = true;
+    }
 }
 
 void PoolHead::heardAsk(std::span<const uint8_t> bytes) {
@@ -107,7 +132,12 @@ void PoolHead::heardAsk(std::span<const uint8_t> bytes) {
     }
     if (!parts) return;  // the node asks somebody else, or gives up
     Chunk chunk{ask.scene, ask.index, ask.index == ChunkAsk::LIST ? parts->list() : parts->part(ask.index)};
-    transport_->publish(nodeSubject(ask.node), bytesOf(chunk));
+    publish(nodeSubject(ask.node), bytesOf(chunk));
+}
+
+bool PoolHead::publish(const std::string& subject, std::span<const uint8_t> bytes) const {
+    counts_.sent += bytes.size();
+    return transport_->publish(subject, bytes);
 }
 
 /// Says that this head is there, and looks who is not.
@@ -119,7 +149,7 @@ void PoolHead::beat(std::stop_token stop) {
     while (!stop.stop_requested()) {
         const double now = wallSeconds();
         if (now >= next) {
-            transport_->publish(HEAD_BEATS, bytes);
+            publish(HEAD_BEATS, bytes);
             next = now + BEAT_SECONDS;
         }
         std::vector<Member> silent, unreachable;
@@ -263,7 +293,7 @@ void PoolHead::load(uint32_t number, const Digest& scene, const Settings& settin
         if (wallSeconds() - told >= ORDER_AGAIN) {
             told = wallSeconds();
             lock.unlock();
-            transport_->publish(nodeSubject(id), order);
+            publish(nodeSubject(id), order);
             lock.lock();
         }
         loadChanged_.wait_for(lock, LOOK_AROUND);
@@ -290,7 +320,7 @@ void PoolHead::render(uint32_t number, const Digest& scene, const FrameRequest& 
     CutTiles cut(tiles, MOST_PIECE_PIXELS);
     for (size_t first = 0; first < cut.pieces().size() && !stop.stop_requested(); first += MOST_BATCH_TILES) {
         const size_t last = std::min(cut.pieces().size(), first + MOST_BATCH_TILES);
-        BatchOrder order{
+        const BatchOrder order{
             id_,
             ++lastBatch_,
             scene,
@@ -299,64 +329,83 @@ void PoolHead::render(uint32_t number, const Digest& scene, const FrameRequest& 
         auto joined = [&](size_t piece, TileResult&& result) {
             if (std::optional<TileResult> whole = cut.join(first + piece, std::move(result))) sink(std::move(*whole));
         };
-        renderPieces(number, std::move(order), device, joined, stop);
+        renderPieces(number, order, device, joined, stop);
     }
 }
 
-void PoolHead::renderPieces(uint32_t number, BatchOrder order, const std::string& device,
+/// Listens to a batch for as long as it lives, waiting for a result that is being handed on; one that is not over is called off.
+struct PoolHead::Listening {
+    PoolHead& head;
+    const PeerId node;
+    const uint64_t batch;
+    const std::shared_ptr<Pending> pending;
+    bool over = false;
+    ~Listening() {
+        {
+            std::lock_guard lock(head.mutex_);
+            head.pending_.erase(batch);
+        }
+        {
+            std::lock_guard lock(pending->mutex);
+            pending->isOver = true;
+        }
+        head.counts_.tiles += pending->made;
+        if (!over) head.publish(nodeSubject(node), bytesOf(Cancel{head.id_, batch}));
+    }
+};
+
+void PoolHead::renderPieces(uint32_t number, const BatchOrder& order, const std::string& device,
                             const std::function<void(size_t piece, TileResult&&)>& sink, std::stop_token stop) {
     auto pending = std::make_shared<Pending>();
     pending->number = number;
     pending->heard = wallSeconds();
+    pending->tiles = order.tiles;
+    pending->device = device;
+    pending->sink = sink;
+    pending->came.resize(order.tiles.size(), false);
     PeerId id = 0;
     {
         std::lock_guard lock(mutex_);
         id = idOf(number);
         pending_[order.id] = pending;
     }
-    /// Listens for as long as it lives; a batch that is not over is called off.
-    struct Listening {
-        PoolHead& head;
-        const PeerId node;
-        const uint64_t batch;
-        bool over = false;
-        ~Listening() {
-            {
-                std::lock_guard lock(head.mutex_);
-                head.pending_.erase(batch);
-            }
-            if (!over) head.transport_->publish(nodeSubject(node), bytesOf(Cancel{head.id_, batch}));
-        }
-    };
-    Listening listening{*this, id, order.id};
+    Listening listening{*this, id, order.id, pending};
     const double begin = wallSeconds();
-    if (!transport_->publish(nodeSubject(id), bytesOf(order)))
+    counts_.batches++;
+    if (!publish(nodeSubject(id), bytesOf(order)))
         throw std::runtime_error("node:" + std::to_string(number) + " cannot be reached: no line to " + transport_->peer());
-    uint64_t made = 0, rays = 0;
-    while (true) {
-        std::unique_lock lock(pending->mutex);
-        pending->changed.wait(lock, stop, [&] { return !pending->arrived.empty() || pending->end || !pending->lost.empty(); });
-        const std::vector<std::vector<uint8_t>> arrived = std::exchange(pending->arrived, {});
-        const std::optional<BatchEnd> end = pending->end;
-        const std::string lost = pending->lost;
-        lock.unlock();
-        for (const std::vector<uint8_t>& bytes : arrived) {
-            readTileResults(bytes, order.tiles, device, [&](size_t piece, TileResult&& result) {
-                made++;
-                rays += result.rays.total();
-                sink(piece, std::move(result));
-            });
-        }
-        if (!end && !lost.empty()) throw std::runtime_error(lost);
-        if (!end && stop.stop_requested()) return;
-        if (!end) continue;
-        listening.over = true;
-        note(number, *end, pending->endedAt - begin, made, rays);
-        if (stop.stop_requested() || end->outcome == BatchEnd::Outcome::done) return;
-        if (end->outcome == BatchEnd::Outcome::noMemory) throw PoolMemoryError(shownText(end->why));
-        if (end->outcome == BatchEnd::Outcome::stopped) drop(number, "left a batch");
-        throw std::runtime_error("node:" + std::to_string(number) + ": " + shownText(end->why));
+    std::unique_lock lock(pending->mutex);
+    pending->changed.wait(lock, stop, [&] { return pending->end || pending->failure || !pending->lost.empty(); });
+    if (pending->failure) std::rethrow_exception(pending->failure);
+    const std::optional<BatchEnd> end = pending->end;
+    if (!end && !pending->lost.empty()) {
+        counts_.lost++;
+        throw std::runtime_error(pending->lost);
     }
+    if (!end) return;  // stopped
+    listening.over = true;
+    const uint64_t made = pending->made, rays = pending->rays;
+    const double elapsed = pending->endedAt - begin;
+    lock.unlock();
+    note(number, *end, elapsed, made, rays);
+    if (!stop.stop_requested()) conclude(number, *end, made == order.tiles.size());
+}
+
+/// Throws what `render` throws for a batch that ended so. Who lost results or left joins anew.
+void PoolHead::conclude(uint32_t number, const BatchEnd& end, bool complete) {
+    std::string why = shownText(end.why);
+    switch (end.outcome) {
+        case BatchEnd::Outcome::done:
+            if (complete) return;
+            why = "made results that did not arrive";
+            drop(number, why);
+            break;
+        case BatchEnd::Outcome::noMemory: throw PoolMemoryError(why);
+        case BatchEnd::Outcome::stopped: drop(number, "left a batch"); break;
+        case BatchEnd::Outcome::failed: break;
+    }
+    counts_.lost++;
+    throw std::runtime_error("node:" + std::to_string(number) + " " + why);
 }
 
 void PoolHead::note(uint32_t number, const BatchEnd& end, double elapsed, uint64_t tiles, uint64_t rays) {

@@ -41,10 +41,13 @@ struct PoolNode {
     std::string state;       // "ready", "loading 43 %", ...
 };
 
-/// What strangers and late comers sent.
+/// Since the head began.
 struct PoolCounts {
-    std::atomic<uint64_t> unsound{0};  // messages that are none
-    std::atomic<uint64_t> late{0};     // for batches that are over
+    std::atomic<uint64_t> unsound{0};            // messages that are none, or damaged
+    std::atomic<uint64_t> late{0};               // for batches that are over
+    std::atomic<uint64_t> received{0}, sent{0};  // bytes
+    std::atomic<uint64_t> tiles{0}, batches{0};  // that nodes made, that they were asked for
+    std::atomic<uint64_t> lost{0};               // batches that a node left undone
 };
 
 /// Safe from all threads.
@@ -78,13 +81,22 @@ private:
     /// A batch that a node works on.
     struct Pending {
         uint32_t number = 0;
-        std::mutex mutex;
+        std::vector<Tile> tiles;
+        std::string device;
+        std::function<void(size_t piece, TileResult&&)> sink;
+        std::mutex mutex;  // of all below; held while a result is handed on
         std::condition_variable_any changed;
-        std::vector<std::vector<uint8_t>> arrived;
+        std::vector<bool> came;  // by tile
+        uint64_t made = 0, rays = 0;
         std::optional<BatchEnd> end;
         double endedAt = 0.0, heard = 0.0;
-        std::string lost;  // why nothing more comes
+        std::string lost;            // why nothing more comes
+        std::exception_ptr failure;  // of the sink
+        bool isOver = false;         // nothing more is handed on
+
+        void take(std::span<const uint8_t> bytes);
     };
+    struct Listening;
     /// What is measured of a node.
     struct Figures {
         double roundTrip = 0.0;
@@ -98,6 +110,7 @@ private:
     void heardNode(std::span<const uint8_t> bytes);
     void heardAsk(std::span<const uint8_t> bytes);
     void guarded(std::span<const uint8_t> bytes, void (PoolHead::*handler)(std::span<const uint8_t>));
+    bool publish(const std::string& subject, std::span<const uint8_t> bytes) const;
     void beat(std::stop_token stop);
     void callOn() const;
     std::vector<uint32_t> forgetful(double now) const;
@@ -105,14 +118,15 @@ private:
     void lose(const std::vector<Member>& gone, const std::string& why);
     PeerId idOf(uint32_t number) const;
     PoolNode described(const Member& member) const;
-    void renderPieces(uint32_t number, BatchOrder order, const std::string& device,
+    void renderPieces(uint32_t number, const BatchOrder& order, const std::string& device,
                       const std::function<void(size_t piece, TileResult&&)>& sink, std::stop_token stop);
+    void conclude(uint32_t number, const BatchEnd& end, bool complete);
     void note(uint32_t number, const BatchEnd& end, double elapsed, uint64_t tiles, uint64_t rays);
 
     const std::shared_ptr<Transport> transport_;
     const Digest build_;
     const PeerId id_;
-    PoolCounts counts_;
+    mutable PoolCounts counts_;
     mutable std::mutex mutex_;  // of all below up to offering_
     std::condition_variable loadChanged_;
     Members members_;

@@ -12,8 +12,9 @@ import threading
 import time
 
 MAGIC = 0x4C504C48
-VERSION = 1
-BATCH_END = 11  # server/pool/wire/messages.h
+VERSION = 2
+HEADER = 16  # bytes
+NODE_BEAT, CHUNK, BATCH, TILES, BATCH_END = 1, 7, 8, 10, 11  # server/pool/wire/messages.h
 
 
 def free_port():
@@ -22,21 +23,36 @@ def free_port():
         return probe.getsockname()[1]
 
 
-class Broker:
-    """nats-server with a user and a password; can be stopped and started again on its port."""
+SECRET = "a long secret of the check"
 
-    def __init__(self, folder, host="127.0.0.1", secret=True):
+
+def own_address():
+    """Of this machine on a network; nothing is sent."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))
+        except OSError:
+            return None
+        return probe.getsockname()[0]
+
+
+class Broker:
+    """nats-server; can be stopped and started again on its port. `secret`: what it asks for: "user" (and password), "token" or
+    "" (nothing). `tls`: files {cert_file, key_file, ca_file, verify} of its configuration."""
+
+    def __init__(self, folder, host="127.0.0.1", secret="user", tls=None):
         self.folder, self.host, self.port = folder, host, free_port()
-        self.url = f"nats://{host}:{self.port}"
+        self.url = f"{'tls' if tls else 'nats'}://{host}:{self.port}"
         self.configuration = os.path.join(folder, f"nats-{self.port}.conf")
-        self.secret = os.path.join(folder, "pool.secret") if secret else ""
+        self.secret = os.path.join(folder, f"pool-{self.port}.secret") if secret else ""
         text = f'host: "{host}"\nport: {self.port}\n'
+        asked = {"user": f'user: pool, password: "{SECRET}"', "token": f'token: "{SECRET}"'}
         if secret:
-            text += 'authorization { user: pool, password: "a long secret of the check" }\n'
-            with open(self.secret, "w", encoding="utf-8") as file:
-                file.write("pool:a long secret of the check\n")
-        with open(self.configuration, "w", encoding="utf-8") as file:
-            file.write(text)
+            text += f"authorization {{ {asked[secret]} }}\n"
+            write(self.secret, ("pool:" if secret == "user" else "") + SECRET + "\n")
+        if tls:
+            text += "tls { " + ", ".join(f"{key}: {json.dumps(value)}" for key, value in tls.items()) + " }\n"
+        write(self.configuration, text)
         self.start()
 
     def start(self):
@@ -58,6 +74,37 @@ class Broker:
         return ["--pool", self.url] + (["--pool-secret", self.secret] if self.secret else [])
 
 
+class Authority:
+    """Signs certificates, as a pool's owner would."""
+
+    def __init__(self, folder, name):
+        self.folder, self.name = folder, name
+        self.certificate, self.key = self.path("ca.pem"), self.path("ca.key")
+        openssl("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={name}", "-keyout", self.key,
+                "-out", self.certificate)
+
+    def path(self, what):
+        return os.path.join(self.folder, f"{self.name}-{what}")
+
+    def sign(self, name, alternative):
+        """(certificate, key) for `alternative`, as IP:127.0.0.1."""
+        certificate, key, request, extensions = (self.path(f"{name}.{kind}") for kind in ("pem", "key", "csr", "ext"))
+        write(extensions, f"subjectAltName={alternative}\n")
+        openssl("req", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}", "-keyout", key, "-out", request)
+        openssl("x509", "-req", "-in", request, "-CA", self.certificate, "-CAkey", self.key, "-CAcreateserial", "-days", "2",
+                "-extfile", extensions, "-out", certificate)
+        return certificate, key
+
+
+def openssl(*words):
+    subprocess.run(["openssl", *words], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def write(path, text):
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+
+
 class Stranger:
     """A client of the broker."""
 
@@ -66,7 +113,7 @@ class Stranger:
         self.file = self.socket.makefile("rb")
         self.file.readline()
         self.socket.sendall(
-            b"CONNECT " + json.dumps({"verbose": False, "user": "pool", "pass": "a long secret of the check"}).encode() + b"\r\n")
+            b"CONNECT " + json.dumps({"verbose": False, "user": "pool", "pass": SECRET}).encode() + b"\r\n")
         self.lock = threading.Lock()
 
     def publish(self, subject, data):
@@ -102,8 +149,26 @@ class Stranger:
         self.socket.close()
 
 
+def check_sum(data):
+    """As server/pool/wire/check_sum.h."""
+    mask = (1 << 64) - 1
+
+    def mixed(total, word):
+        total ^= word
+        return ((total << 31 | total >> 33) & mask) * 0x9E3779B97F4A7C15 & mask
+
+    lanes = [1, 2, 3, 4]
+    words = struct.unpack(f"<{len(data) // 32 * 4 + 4}Q", data + bytes(32 - len(data) % 32))
+    for at in range(0, len(words) - 4, 4):
+        lanes = [mixed(lane, word) for lane, word in zip(lanes, words[at:at + 4])]
+    total = len(data)
+    for lane, word in zip(lanes, words[-4:]):
+        total = mixed(total, mixed(lane, word))
+    return total
+
+
 def message(kind, data):
-    return struct.pack("<IHH", MAGIC, VERSION, kind) + data
+    return struct.pack("<IHHQ", MAGIC, VERSION, kind, check_sum(data)) + data
 
 
 def kind_of(data):
@@ -111,4 +176,4 @@ def kind_of(data):
 
 
 def peer_of(beat):
-    return "%016x" % struct.unpack_from("<Q", beat, 8)[0]
+    return "%016x" % struct.unpack_from("<Q", beat, HEADER)[0]

@@ -19,8 +19,8 @@ using namespace std::chrono_literals;
 constexpr double HEAD_SILENCE = 3.0;
 constexpr size_t MOST_HEADS = 256;
 /// A message with results goes when it has so many bytes, or when something has waited in it for so long (seconds).
-constexpr size_t FULL_MESSAGE = 128 * 1024;
-constexpr double LONGEST_WAIT = 0.004;
+constexpr size_t FULL_MESSAGE = 96 * 1024;  // with the last tile below 128 KiB: more is mapped and unmapped for each message
+constexpr double LONGEST_WAIT = 0.03;
 
 uint64_t placeOf(const Tile& tile) { return static_cast<uint64_t>(tile.origin.x) << 32 | tile.origin.y; }
 
@@ -80,7 +80,7 @@ private:
 }  // namespace
 
 RenderNode::RenderNode(std::shared_ptr<Transport> transport, RenderNodeOptions options)
-    : transport_(std::move(transport)), options_(std::move(options)), id_(newPeerId()) {
+    : transport_(std::move(transport)), options_(std::move(options)), id_(newPeerId()), pace_(options_.raysPerSecond) {
     NodeScenes::Options scenes;
     scenes.node = id_;
     scenes.make = options_.make;
@@ -88,8 +88,10 @@ RenderNode::RenderNode(std::shared_ptr<Transport> transport, RenderNodeOptions o
     scenes.sceneBytes = options_.sceneBytes;
     scenes.changed = [this](const Digest& scene) { sceneChanged(scene); };
     scenes_ = std::make_unique<NodeScenes>(transport_, std::move(scenes));
-    inbox_ = transport_->subscribe(nodeSubject(id_), [this](auto bytes) { guarded(bytes, &RenderNode::heard); });
-    headBeats_ = transport_->subscribe(HEAD_BEATS, [this](auto bytes) { guarded(bytes, &RenderNode::heardHead); });
+    inbox_ =
+        transport_->subscribe(nodeSubject(id_), [this](std::span<const uint8_t> bytes) { guarded(bytes, &RenderNode::heard); });
+    headBeats_ =
+        transport_->subscribe(HEAD_BEATS, [this](std::span<const uint8_t> bytes) { guarded(bytes, &RenderNode::heardHead); });
     worker_ = std::jthread([this](std::stop_token stop) { work(stop); });
     beater_ = std::jthread([this](std::stop_token stop) { beat(stop); });
 }
@@ -106,6 +108,7 @@ RenderNode::~RenderNode() {
 
 void RenderNode::guarded(std::span<const uint8_t> bytes, void (RenderNode::*handler)(std::span<const uint8_t>)) {
     try {
+        checkSealed(bytes);
         (this->*handler)(bytes);
     } catch (const std::exception& error) {
         if (unsound_++ == 0) log().warn("pool: a message was dropped: {}", error.what());
@@ -267,6 +270,7 @@ BatchEnd RenderNode::renderTiles(const BatchOrder& order, Renderer& renderer, do
         view.costs.begin(order.request.resolution, uvec2(CELL_SIZE));
         auto sink = [&](TileResult&& result) {
             tiles_++;
+            pace_.hold(result.rays.total(), begin, stop);
             outbox.add(result);
         };
         renderer.render(forThisNode(order.request), order.tiles, view, sink, stop);

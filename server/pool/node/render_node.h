@@ -3,6 +3,7 @@
 
 #include "server/pool/node/batch_queue.h"
 #include "server/pool/node/node_scenes.h"
+#include "server/pool/node/pace.h"
 
 #include <atomic>
 
@@ -16,6 +17,7 @@ struct RenderNodeOptions {
     MakeRenderer make;
     std::filesystem::path folder;  // of kept scenes; empty: none
     uint64_t sceneBytes = 0;       // the largest that is taken; 0: any
+    double raysPerSecond = 0.0;    // no faster than that (pace.h); 0: as fast as it can
 };
 
 /// Joins when it is made and leaves when it ends. Heads that fall silent are forgotten with their batches; it then waits for
@@ -57,6 +59,7 @@ private:
     const RenderNodeOptions options_;
     const PeerId id_;
     std::atomic<uint64_t> tiles_{0}, unsound_{0};
+    Pace pace_;
     mutable std::mutex mutex_;  // of all below
     std::condition_variable_any called_;
     BatchQueue queue_;

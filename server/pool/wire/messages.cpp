@@ -1,5 +1,6 @@
 #include "server/pool/wire/messages.h"
 
+#include "server/pool/wire/check_sum.h"
 #include "server/pool/wire/request_bytes.h"
 
 #include <cmath>
@@ -10,6 +11,7 @@ namespace heliograph {
 namespace {
 
 constexpr uint32_t MAGIC = 0x4c504c48;  // "HLPL"
+constexpr size_t SUM_AT = sizeof MAGIC + 2 * sizeof(uint16_t), HEADER_BYTES = SUM_AT + sizeof(uint64_t);
 
 void put(ByteWriter& writer, const Digest& digest) { writer.raw(digest.data(), digest.size()); }
 
@@ -45,7 +47,19 @@ ByteWriter beginMessage(PoolKind kind) {
     writer.put(MAGIC);
     writer.put(POOL_VERSION);
     writer.put(static_cast<uint16_t>(kind));
+    writer.put(uint64_t{0});  // the sum (`sealed`)
     return writer;
+}
+
+std::vector<uint8_t> sealed(ByteWriter&& writer) {
+    writer.set(SUM_AT, checkSum(writer.bytes().subspan(HEADER_BYTES)));
+    return writer.take();
+}
+
+void checkSealed(std::span<const uint8_t> bytes) {
+    if (bytes.size() < HEADER_BYTES) throw PoolMessageError("ends too soon");
+    const auto sum = ByteReader(bytes.subspan(SUM_AT)).get<uint64_t>();
+    if (sum != checkSum(bytes.subspan(HEADER_BYTES))) throw PoolMessageError("was damaged on its way");
 }
 
 PoolKind kindOf(std::span<const uint8_t> bytes) {
@@ -59,7 +73,8 @@ PoolKind kindOf(std::span<const uint8_t> bytes) {
 
 ByteReader openMessage(std::span<const uint8_t> bytes, PoolKind kind) {
     if (kindOf(bytes) != kind) throw PoolMessageError("is of another kind than what comes here");
-    return ByteReader(bytes.subspan(2 * sizeof(uint32_t)));
+    if (bytes.size() < HEADER_BYTES) throw PoolMessageError("ends too soon");
+    return ByteReader(bytes.subspan(HEADER_BYTES));
 }
 
 std::vector<uint8_t> bytesOf(const NodeBeat& message) {
@@ -71,7 +86,7 @@ std::vector<uint8_t> bytesOf(const NodeBeat& message) {
     writer.put(message.workers);
     writer.put(message.waiting);
     writer.put(message.tiles);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -93,7 +108,7 @@ std::vector<uint8_t> bytesOf(const HeadBeat& message) {
     ByteWriter writer = beginMessage(PoolKind::headBeat);
     writer.put(message.id);
     put(writer, message.build);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -110,7 +125,7 @@ std::vector<uint8_t> bytesOf(const Refusal& message) {
     ByteWriter writer = beginMessage(PoolKind::refusal);
     writer.put(message.head);
     writer.text(message.why);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -128,7 +143,7 @@ std::vector<uint8_t> bytesOf(const LoadOrder& message) {
     writer.put(message.head);
     put(writer, message.scene);
     writeSettings(writer, message.settings);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -149,7 +164,7 @@ std::vector<uint8_t> bytesOf(const LoadState& message) {
     writer.put(static_cast<uint8_t>(message.state));
     writer.put(message.share);
     writer.text(message.text);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -171,7 +186,7 @@ std::vector<uint8_t> bytesOf(const ChunkAsk& message) {
     writer.put(message.node);
     put(writer, message.scene);
     writer.put(message.index);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -190,7 +205,7 @@ std::vector<uint8_t> bytesOf(const Chunk& message) {
     put(writer, message.scene);
     writer.put(message.index);
     writer.raw(message.bytes.data(), message.bytes.size());
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -211,7 +226,7 @@ std::vector<uint8_t> bytesOf(const BatchOrder& message) {
     put(writer, message.scene);
     writeRequest(writer, message.request);
     writeTiles(writer, message.tiles);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -231,7 +246,7 @@ std::vector<uint8_t> bytesOf(const Cancel& message) {
     ByteWriter writer = beginMessage(PoolKind::cancel);
     writer.put(message.head);
     writer.put(message.id);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>
@@ -251,7 +266,7 @@ std::vector<uint8_t> bytesOf(const BatchEnd& message) {
     writer.put(message.nodeSeconds);
     writer.put(message.serviceSeconds);
     writer.text(message.why);
-    return writer.take();
+    return sealed(std::move(writer));
 }
 
 template <>

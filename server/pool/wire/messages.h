@@ -1,6 +1,7 @@
 #pragma once
-// What heads and nodes of a pool say to each other. Each message begins with the same words: magic, version, kind. Readers
-// take bytes of strangers: they throw PoolMessageError and never look past the end.
+// What heads and nodes of a pool say to each other. Each message begins with the same words: magic, version, kind, and a sum of
+// all that follows, which is checked where a message comes in. Readers take bytes of strangers: they throw PoolMessageError and
+// never look past the end.
 
 #include "server/film/tile.h"
 #include "server/pool/wire/bytes.h"
@@ -10,7 +11,7 @@
 namespace heliograph {
 
 /// Grows with every change of a layout; others are not understood.
-constexpr uint16_t POOL_VERSION = 1;
+constexpr uint16_t POOL_VERSION = 2;
 
 enum class PoolKind : uint16_t {
     nodeBeat = 1,   // node to all heads, every BEAT_SECONDS
@@ -151,6 +152,10 @@ BatchEnd read(std::span<const uint8_t> bytes);
 
 /// Begins a message; the same words that `kindOf` reads.
 ByteWriter beginMessage(PoolKind kind);
+/// A message that was begun so, with its sum.
+std::vector<uint8_t> sealed(ByteWriter&& writer);
+/// Throws PoolMessageError for what has not the sum that it says.
+void checkSealed(std::span<const uint8_t> bytes);
 /// A reader behind those words; throws if the message is of another kind.
 ByteReader openMessage(std::span<const uint8_t> bytes, PoolKind kind);
 

@@ -10,7 +10,7 @@ namespace {
 /// How a tile's sums are written.
 enum class Coding : uint8_t {
     four,   // four floats a pixel
-    three,  // the fourth follows: the squared luminance of one sample
+    three,  // all reds, all greens, all blues; the fourth follows: the squared luminance of one sample
 };
 
 float squaredLuminance(const vec4& sum) {
@@ -42,21 +42,23 @@ RayCounts readRays(ByteReader& reader) {
     return rays;
 }
 
-std::vector<vec4> readSums(ByteReader& reader, size_t pixels) {
-    const auto coding = reader.get<uint8_t>();
-    if (coding > static_cast<uint8_t>(Coding::three)) throw PoolMessageError("has pixels in an unknown coding");
-    std::vector<vec4> sums(pixels);
-    if (coding == static_cast<uint8_t>(Coding::four)) {
-        const std::span<const uint8_t> bytes = reader.raw(pixels * sizeof(vec4));
-        std::memcpy(sums.data(), bytes.data(), bytes.size());
-        return sums;
-    }
-    const std::span<const uint8_t> bytes = reader.raw(pixels * sizeof(vec3));
-    for (size_t i = 0; i < pixels; i++) {
-        std::memcpy(&sums[i], bytes.data() + i * sizeof(vec3), sizeof(vec3));
+/// The planes of a tile that was written as `three`.
+void joinPlanes(const uint8_t* planes, std::span<vec4> sums) {
+    const size_t plane = sums.size() * sizeof(float);
+    for (size_t i = 0; i < sums.size(); i++) {
+        float rgb[3];
+        for (size_t c = 0; c < 3; c++) std::memcpy(&rgb[c], planes + c * plane + i * sizeof(float), sizeof(float));
+        sums[i] = vec4(rgb[0], rgb[1], rgb[2], 0.0f);
         sums[i].w = squaredLuminance(sums[i]);
     }
-    return sums;
+}
+
+void readSums(ByteReader& reader, std::span<vec4> sums) {
+    const auto coding = reader.get<uint8_t>();
+    if (coding > static_cast<uint8_t>(Coding::three)) throw PoolMessageError("has pixels in an unknown coding");
+    if (coding == static_cast<uint8_t>(Coding::four))
+        std::memcpy(sums.data(), reader.raw(sums.size_bytes()).data(), sums.size_bytes());
+    else joinPlanes(reader.raw(sums.size() * sizeof(vec3)).data(), sums);
 }
 
 }  // namespace
@@ -82,13 +84,15 @@ void TilesWriter::add(uint32_t index, const TileResult& result) {
         return;
     }
     writer_.put(static_cast<uint8_t>(Coding::three));
-    std::vector<vec3> colours(sums.size());
-    std::ranges::transform(sums, colours.begin(), [](const vec4& sum) { return vec3(sum); });
-    writer_.raw(colours.data(), colours.size() * sizeof(vec3));
+    for (int c = 0; c < 3; c++) {
+        plane_.resize(sums.size());
+        std::ranges::transform(sums, plane_.begin(), [c](const vec4& sum) { return sum[c]; });
+        writer_.raw(plane_.data(), plane_.size() * sizeof(float));
+    }
 }
 
 std::vector<uint8_t> TilesWriter::take() {
-    std::vector<uint8_t> bytes = writer_.take();
+    std::vector<uint8_t> bytes = sealed(std::move(writer_));
     begin();
     return bytes;
 }
@@ -101,6 +105,7 @@ void readTileResults(std::span<const uint8_t> bytes, std::span<const Tile> tiles
                      const std::function<void(size_t index, TileResult&&)>& sink) {
     ByteReader reader = openMessage(bytes, PoolKind::tiles);
     reader.get<uint64_t>();
+    std::vector<vec4> sums;  // of one tile after the other: they stay in the processor's cache
     while (reader.left() > 0) {
         const auto index = reader.get<uint32_t>();
         if (index >= tiles.size()) throw PoolMessageError("has a tile that nobody asked for");
@@ -111,7 +116,10 @@ void readTileResults(std::span<const uint8_t> bytes, std::span<const Tile> tiles
         result.nonfiniteSamples = reader.get<uint64_t>();
         result.seconds = reader.get<double>();
         if (!(result.seconds >= 0.0) || !std::isfinite(result.seconds)) throw PoolMessageError("has a time that is none");
-        result.radianceSum = readSums(reader, static_cast<size_t>(result.tile.size.x) * result.tile.size.y);
+        const size_t pixels = static_cast<size_t>(result.tile.size.x) * result.tile.size.y;
+        if (sums.size() < pixels) sums.resize(pixels);
+        result.mapped = std::span(sums).first(pixels);
+        readSums(reader, std::span(sums).first(pixels));
         sink(index, std::move(result));
     }
 }

@@ -23,6 +23,7 @@ private:
 
     const uint64_t batch_;
     ByteWriter writer_;
+    std::vector<float> plane_;  // of one tile after the other
     uint32_t count_ = 0;
 };
 
@@ -31,7 +32,8 @@ size_t mostTileBytes(size_t pixels);
 
 /// Of the message's batch. Throws PoolMessageError.
 uint64_t batchOf(std::span<const uint8_t> bytes);
-/// Calls `sink` with each result and its number in `tiles`, its tile taken from `tiles`, which were asked for. Throws PoolMessageError, maybe after some.
+/// Calls `sink` with each result and its number in `tiles`, its tile taken from `tiles`, which were asked for. A result's sums are
+/// `mapped`. Throws PoolMessageError, maybe after some.
 void readTileResults(std::span<const uint8_t> bytes, std::span<const Tile> tiles, const std::string& device,
                      const std::function<void(size_t index, TileResult&&)>& sink);
 

@@ -225,7 +225,8 @@ TEST_F(Pool, GarbageOnEverySubjectHarmsNobody) {
     for (int i = 0; i < 20000; i++) {
         ByteWriter writer = beginMessage(static_cast<PoolKind>(random.below(14)));
         for (uint32_t word = random.below(40); word > 0; word--) writer.put(random.word());
-        const std::vector<uint8_t> bytes = random.below(2) == 0 ? writer.take() : std::vector<uint8_t>(random.below(50));
+        const std::vector<uint8_t> bytes =
+            random.below(2) == 0 ? sealed(std::move(writer)) : std::vector<uint8_t>(random.below(50));
         for (const std::string& subject :
              {NODE_BEATS, HEAD_BEATS, nodeSubject(node.id()), headSubject(headId), sceneSubject(headId)})
             stranger->publish(subject, bytes);
