@@ -81,6 +81,24 @@ nlohmann::ordered_json poolJson(const PoolHead& pool) {
     return {{"broker", pool.peer()}, {"connected", pool.connected()}, {"nodes", nodes}};
 }
 
+PoolState poolState(const PoolHead& pool) {
+    PoolState state;
+    state.connected = pool.connected();
+    for (const PoolNode& node : pool.report()) {
+        (node.refused.empty() ? state.nodes : state.refusedNodes)++;
+        if (node.seconds > 0.0) state.raysPerSecond += static_cast<double>(node.rays) / node.seconds;
+    }
+    const PoolCounts& counts = pool.counts();
+    state.tiles = counts.tiles;
+    state.batches = counts.batches;
+    state.lostBatches = counts.lost;
+    state.receivedBytes = counts.received;
+    state.sentBytes = counts.sent;
+    state.unsoundMessages = counts.unsound;
+    state.lateMessages = counts.late;
+    return state;
+}
+
 DeviceOffer withPool(DeviceOffer offer, std::shared_ptr<PoolHead> pool) {
     const auto local = offer.nameOf;
     offer.own = local(Settings());

@@ -49,6 +49,7 @@ ServiceOptions serviceOptions(const ServeOptions& options) {
         const std::shared_ptr<PoolHead> pool = joinPool(broker);
         service.devices = withPool(std::move(service.devices), pool);
         service.poolReport = [pool] { return poolJson(*pool); };
+        service.poolState = [pool] { return poolState(*pool); };
     }
     std::string device = Settings::choiceWord("device", service.defaults.device);
     if (std::ranges::find(service.devices.words, device) == service.devices.words.end())

@@ -144,6 +144,24 @@ void addDevices(const Metrics& metrics, Families& out) {
     for (const auto& [name, count] : devices) out.sample({{"device", name}}, static_cast<double>(count.setAside));
 }
 
+void addPool(const PoolState& pool, Families& out) {
+    const auto number = [](uint64_t count) { return static_cast<double>(count); };
+    out.gauge("heliograph_pool_connected", "1 while there is a line to the broker.", pool.connected);
+    out.gauge("heliograph_pool_nodes", "Render nodes that are there.", number(pool.nodes));
+    out.gauge("heliograph_pool_nodes_refused", "Render nodes that are there and may not render.", number(pool.refusedNodes));
+    out.gauge("heliograph_pool_rays_per_second", "Rate of the nodes together, as measured while they worked.",
+              pool.raysPerSecond);
+    out.counter("heliograph_pool_tiles_total", "Tiles that nodes made for this server.", number(pool.tiles));
+    out.counter("heliograph_pool_batches_total", "Batches that nodes were asked for.", number(pool.batches));
+    out.counter("heliograph_pool_batches_lost_total", "Batches that a node left undone, so that others made the rest.",
+                number(pool.lostBatches));
+    out.counter("heliograph_pool_received_bytes_total", "Bytes of messages from the pool.", number(pool.receivedBytes));
+    out.counter("heliograph_pool_sent_bytes_total", "Bytes of messages to the pool.", number(pool.sentBytes));
+    out.counter("heliograph_pool_messages_unsound_total", "Messages dropped as damaged or none of the pool.",
+                number(pool.unsoundMessages));
+    out.counter("heliograph_pool_messages_late_total", "Messages for batches that were over.", number(pool.lateMessages));
+}
+
 void addTimes(const Metrics& metrics, Families& out) {
     out.open("heliograph_frame_stage_seconds", "Time of a frame by stage; render is one pass.", MetricType::Histogram);
     for (size_t i = 0; i < Metrics::STAGES; i++) out.histogram({{"stage", STAGE_NAMES[i]}}, metrics.stages[i]);
@@ -230,6 +248,7 @@ std::vector<MetricFamily> metricFamilies(const Metrics& metrics, const ServerSta
     addCounts(metrics, families);
     addDevices(metrics, families);
     addTimes(metrics, families);
+    if (state.pool) addPool(*state.pool, families);
     return families.take();
 }
 

@@ -9,6 +9,16 @@
 
 namespace heliograph {
 
+/// Of the pool, where there is one.
+struct PoolState {
+    bool connected = false;
+    size_t nodes = 0, refusedNodes = 0;  // that may render, that may not
+    double raysPerSecond = 0.0;          // of those nodes together, while they work
+    uint64_t tiles = 0, batches = 0, lostBatches = 0;
+    uint64_t receivedBytes = 0, sentBytes = 0;
+    uint64_t unsoundMessages = 0, lateMessages = 0;
+};
+
 /// What is so at the moment.
 struct ServerState {
     bool ready = false;
@@ -17,6 +27,7 @@ struct ServerState {
     uint64_t filmPixels = 0, mostFilmPixels = 0;
     uint64_t pictureBytes = 0, mostPictureBytes = 0;
     size_t residentScenes = 0, loadsWaiting = 0;
+    std::optional<PoolState> pool;
     // Of the process.
     uint64_t residentBytes = 0;
     uint64_t descriptors = 0, mostDescriptors = 0;

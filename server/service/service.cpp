@@ -274,6 +274,7 @@ std::string Service::metricsText() {
     state.ready = !unready();
     state.residentScenes = cache_.residentCount();
     state.loadsWaiting = cache_.loadCount();
+    if (options_.poolState) state.pool = options_.poolState();
     {
         std::lock_guard lock(mutex_);
         state.viewers = sessions_.size();

@@ -22,6 +22,7 @@ struct ServiceOptions {
     std::function<bool(const std::string&)> opensToo;    // names beside `scenes`, of which nobody is told; may be empty
     DeviceOffer devices;                                 // viewers choose between them
     std::function<nlohmann::ordered_json()> poolReport;  // what viewers are told of render nodes; empty: there is no pool
+    std::function<PoolState()> poolState;                // for /metrics; empty: there is no pool
     Settings defaults;                                   // of every viewer
     uint64_t pictureBytes = 2ull << 30;                  // memory for the pictures of all viewers (film_shares.h)
     SettingCaps caps;                                    // of every viewer

@@ -2,6 +2,7 @@
 // Counters of the whole server. server/operations/metrics_text.h gives them their names.
 
 #include "server/film/tile.h"
+#include "server/request/device_rows.h"
 
 #include <array>
 #include <atomic>
@@ -54,13 +55,14 @@ struct DeviceCount {
     uint64_t setAside = 0;
 };
 
-/// By name. Safe from all threads.
+/// By name; a pool's nodes, which come and go, as one. Safe from all threads.
 class DeviceCounts {
 public:
     template <typename Change>
     void change(const std::string& device, Change change) {
+        const bool isNode = device.starts_with(std::string(device_name::node) + ":");
         std::lock_guard lock(mutex_);
-        change(counts_[device]);
+        change(counts_[isNode ? std::string(device_name::node) : device]);
     }
     std::map<std::string, DeviceCount> all() const {
         std::lock_guard lock(mutex_);

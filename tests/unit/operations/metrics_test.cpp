@@ -27,7 +27,9 @@ std::string fileText(const std::string& path) {
 
 std::set<std::string> names() {
     std::set<std::string> all;
-    for (const auto& family : metricFamilies(Metrics(), {})) all.insert(family.name);
+    ServerState state;
+    state.pool.emplace();
+    for (const auto& family : metricFamilies(Metrics(), state)) all.insert(family.name);
     return all;
 }
 
@@ -80,6 +82,22 @@ TEST(MetricsText, KeepsPrometheusConventions) {
         EXPECT_EQ(family.help.back(), '.') << family.name;
     }
     EXPECT_EQ(text(Metrics()).find("nan"), std::string::npos);
+}
+
+TEST(MetricsText, APoolIsToldOfWhereThereIsOne) {
+    EXPECT_EQ(text(Metrics()).find("heliograph_pool"), std::string::npos);
+    Metrics metrics;
+    for (const char* node : {"node:1", "node:2", "node:77"})
+        metrics.devices.change(node, [](DeviceCount& count) { count.tiles += 5; });
+    EXPECT_THAT(text(metrics), HasSubstr("heliograph_device_tiles_total{device=\"node\"} 15\n"));
+    ServerState state;
+    state.pool = PoolState{true, 3, 1, 2.5e6, 40, 9, 2, 5000, 600, 7, 8};
+    const std::string out = text(Metrics(), state);
+    for (const char* line :
+         {"pool_connected 1\n", "pool_nodes 3\n", "pool_nodes_refused 1\n", "pool_rays_per_second 2500000\n",
+          "pool_tiles_total 40\n", "pool_batches_total 9\n", "pool_batches_lost_total 2\n", "pool_received_bytes_total 5000\n",
+          "pool_sent_bytes_total 600\n", "pool_messages_unsound_total 7\n", "pool_messages_late_total 8\n"})
+        EXPECT_THAT(out, HasSubstr(std::string("heliograph_") + line));
 }
 
 TEST(MetricsText, KnowsItsProcess) {
