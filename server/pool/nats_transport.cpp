@@ -37,11 +37,13 @@ public:
         check(nats_.natsOptions_Create(&options_), "options");
         configure(options, brokers, name);
         natsStatus status = nats_.natsConnection_Connect(&connection_, options_);
-        if (status == NATS_CONNECTION_AUTH_FAILED) {
-            nats_.natsOptions_Destroy(options_);
-            throw InputError("--pool", peer_ + " refuses who comes",
-                             "the broker's user and password or token in --pool-secret");
-        }
+        if (status == NATS_CONNECTION_AUTH_FAILED)
+            refuse(" refuses who comes", "the broker's user and password or token in --pool-secret");
+        if (status == NATS_SSL_ERROR)
+            refuse(": its certificate is of nobody who is trusted here, or for another host",
+                   "a broker whose certificate --pool-ca or the system's authorities signed for its address");
+        if (status == NATS_PROTOCOL_ERROR && std::ranges::any_of(brokers, &BrokerAddress::tls))
+            refuse(" wants another certificate of this machine, or none is given", "--pool-cert and --pool-key");
         if (status != NATS_OK) {
             log().warn("pool: no line to {} yet ({}); it is tried again", peer_, textOf(status));
             check(nats_.natsOptions_SetRetryOnFailedConnect(options_, true, onConnected, this), "retry");
@@ -81,6 +83,11 @@ private:
     std::string textOf(natsStatus status) const { return oneLine(nats_.natsStatus_GetText(status)); }
     void check(natsStatus status, const std::string& what) const {
         if (status != NATS_OK) throw std::runtime_error("NATS: " + what + ": " + textOf(status));
+    }
+    /// Nothing that time would mend.
+    [[noreturn]] void refuse(const std::string& why, const std::string& allowed) {
+        nats_.natsOptions_Destroy(options_);
+        throw InputError("--pool", peer_ + why, allowed);
     }
     void configure(const BrokerOptions& options, const std::vector<BrokerAddress>& brokers, const std::string& name);
 

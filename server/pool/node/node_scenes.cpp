@@ -155,16 +155,19 @@ std::vector<uint8_t> NodeScenes::bytesOfScene(const Digest& scene, std::stop_tok
 }
 
 std::vector<uint8_t> NodeScenes::fetchList(const Digest& scene, std::stop_token stop) {
+    bool damaged = false;
     for (uint32_t tries = 0; tries < PartsFetch::MOST_TRIES; tries++) {
         ask(scene, ChunkAsk::LIST);
         const double until = wallSeconds() + PartsFetch::PATIENCE;
         while (wallSeconds() < until && !stop.stop_requested()) {
             for (Chunk& chunk : waitForChunks(stop)) {
-                if (chunk.index == ChunkAsk::LIST && digestOf(chunk.bytes) == scene) return std::move(chunk.bytes);
+                if (chunk.index != ChunkAsk::LIST) continue;
+                if (digestOf(chunk.bytes) == scene) return std::move(chunk.bytes);
+                damaged = true;
             }
         }
     }
-    throw std::runtime_error("no head hands out the scene");
+    throw std::runtime_error(damaged ? "the list of the scene's parts came damaged" : "no head hands out the scene");
 }
 
 std::vector<Chunk> NodeScenes::waitForChunks(std::stop_token stop) {
