@@ -14,7 +14,8 @@ from broker import BATCH_END, NODE_BEAT, TILES, Stranger, free_port, kind_of
 SCALING = ["--size", "480x270", "--samples", "4"]
 BUSY = 0.4  # of the machine's processors, by all paced nodes together, at most
 GLASS = ["--size", "1280x720"]
-FEW, MANY = 2, 10  # samples: what a pass takes is a share of the difference
+MANY = 8  # samples: passes that are timed together
+SETTLED = 3.0  # seconds of a picture before processor time is counted
 
 
 def rays_of(result):
@@ -26,7 +27,8 @@ def scaling(pool):
     others. Their rates are so low that all of them together need a part of this machine's processors only."""
     pool.end_nodes()
     command = pool.command(pool.path("scaled.exr"), pool=False, device="embree", picture=SCALING)
-    rays, core_ms = rays_of(pool.render(pool.path("scaled.exr"), pool=False, device="embree", picture=SCALING)), spent(command)[1]
+    said, core_ms = spent(command)
+    rays = rays_of(said)
     pace = BUSY * min(len(pool.cores), 2) * rays / core_ms / 8 / 1e3
     pool.use_reference(pool.path("scaled.exr"))
     times = {}
@@ -55,44 +57,47 @@ def measured(pool, name, nodes):
 
 
 def used(pid):
-    """Processor seconds of a process so far."""
-    with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
-        fields = file.read().rsplit(")", 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    """Processor milliseconds of a process' threads so far."""
+    total = 0
+    for task in os.listdir(f"/proc/{pid}/task"):
+        with open(f"/proc/{pid}/task/{task}/schedstat", encoding="utf-8") as file:
+            total += int(file.read().split()[0])
+    return total / 1e6
 
 
-def spent(command, core=None):
-    """(milliseconds of rendering, processor milliseconds) of a command."""
-    pin = (lambda: os.sched_setaffinity(0, {core})) if core is not None else None
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, preexec_fn=pin) as process:
+def spent(command):
+    """(what a command says, its processor milliseconds)."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:
         said = process.stdout.read()
         _, _, usage = os.wait4(process.pid, 0)
         process.returncode = 0
-    return json.loads(said)["ms"]["render"], 1e3 * (usage.ru_utime + usage.ru_stime)
+    return json.loads(said), 1e3 * (usage.ru_utime + usage.ru_stime)
 
 
-def cost(pool, repetitions=2):
+def cost(pool, repetitions=3):
     """A pool of one node on one core against the same core alone, and what the head and the broker spend on it."""
-    out = pool.path("cost.exr")
+    core = pool.cores[0]
+    picture = [*GLASS, "--samples", str(MANY)]
     pool.node("alone")
-    pool.render(out, picture=[*GLASS, "--samples", "1"])
+    pool.render(pool.path("cost.exr"), picture=[*GLASS, "--samples", "1"])
     best = {}
     for _ in range(repetitions):
-        row = {}
-        for samples in (FEW, MANY):
-            picture = [*GLASS, "--samples", str(samples)]
-            before = used(pool.broker.process.pid)
-            row["pooled", samples], row["head", samples] = spent(pool.command(out, picture=picture))
-            row["broker", samples] = 1e3 * (used(pool.broker.process.pid) - before)
-            local = pool.command(out, pool=False, device="embree", picture=[*picture, "--set", "embreeThreads=1"])
-            row["local", samples], _ = spent(local, pool.cores[0])
-        for what in ("pooled", "local", "head", "broker"):
-            passes = (row[what, MANY] - row[what, FEW]) / (MANY - FEW)
-            best[what] = min(best.get(what, passes), passes)
+        local = pool.command(pool.path("cost.exr"), pool=False, device="embree", picture=[*picture, "--set", "embreeThreads=1"])
+        row = {"local": spent(["taskset", "-c", str(core), *local])[0]["ms"]["render"] / MANY}
+        head = subprocess.Popen(pool.command(pool.path("cost.exr"), picture=picture), stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        time.sleep(SETTLED)
+        begin, before = time.monotonic(), (used(head.pid), used(pool.broker.process.pid))
+        time.sleep(SETTLED)
+        seconds, after = time.monotonic() - begin, (used(head.pid), used(pool.broker.process.pid))
+        row["pooled"] = json.loads(head.communicate()[0])["ms"]["render"] / MANY
+        for what, early, late in zip(("head", "broker"), before, after):
+            row[what] = (late - early) / seconds * row["pooled"] / 1e3
+        for what, value in row.items():
+            best[what] = min(best.get(what, value), value)
     pool.end_nodes()
     print(f"glass, 1280x720, a pass: one core alone {best['local']:.0f} ms, as a pool of one node {best['pooled']:.0f} ms "
           f"({100 * (best['pooled'] / best['local'] - 1):+.1f} %); processor time of the head {best['head']:.1f} ms, of the broker "
-          f"{best['broker']:.0f} ms")
+          f"{best['broker']:.1f} ms")
 
 
 def joining(pool):
