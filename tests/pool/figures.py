@@ -11,8 +11,8 @@ import time
 
 from broker import BATCH_END, NODE_BEAT, TILES, Stranger, free_port, kind_of
 
-SCALING = ["--size", "480x270", "--samples", "4"]
-BUSY = 0.4  # of the machine's processors, by all paced nodes together, at most
+SCALING = ["--size", "480x270", "--samples", "2"]
+BUSY = 0.6  # of the machine's processors, by all paced nodes together, at most
 GLASS = ["--size", "1280x720"]
 MANY = 8  # samples: passes that are timed together
 SETTLED = 3.0  # seconds of a picture before processor time is counted
@@ -41,7 +41,7 @@ def scaling(pool):
         pool.node(f"of rate {share}", options=["--pace", f"{share * pace:.4f}"], pinned=False)
     unequal = measured(pool, "three nodes of unequal rates", 3)
     pool.end_nodes()
-    print(f"nodes of {pace:.2f} Mrays/s each, {SCALING[1]}, 4 samples, {rays / 1e6:.1f} Mrays:")
+    print(f"nodes of {pace:.2f} Mrays/s each, {SCALING[1]}, {SCALING[3]} samples, {rays / 1e6:.1f} Mrays:")
     for count, seconds in times.items():
         print(f"  {count} nodes  {seconds:6.2f} s  {times[1] / seconds:.2f} times one, "
               f"{rays / 1e6 / seconds / (count * pace):.3f} of their rates' sum")
