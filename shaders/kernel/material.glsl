@@ -52,15 +52,19 @@ vec3 bumpNormal(IN(Surface) s, uint slot, float scale) {
 
 // Tangent of the uv and what completes it and the interpolated normal, both unit; false where the triangle has no such frame.
 bool tangentFrame(IN(Surface) s, OUT(vec3) t, OUT(vec3) bitangent) {
-    // Without tangents in the file: the uv frame of the triangle.
-    float det = s.uvEdge1.x * s.uvEdge2.y - s.uvEdge1.y * s.uvEdge2.x;
-    float turn = SELECT(det < 0.0f, -1.0f, 1.0f);
-    vec3 tangent = (s.edge1 * s.uvEdge2.y - s.edge2 * s.uvEdge1.y) * turn;
-    float handedness = -turn;  // the bitangent runs against v, as glTF has it
+    vec3 tangent = vec3(0.0f, 0.0f, 0.0f);
+    float handedness = 1.0f;
+    if (HAS(EFFECT_TEXTURES)) {  // else there are no coordinates
+        // Without tangents in the file: the uv frame of the triangle.
+        float det = s.uvEdge1.x * s.uvEdge2.y - s.uvEdge1.y * s.uvEdge2.x;
+        float turn = SELECT(det < 0.0f, -1.0f, 1.0f);
+        tangent = (s.edge1 * s.uvEdge2.y - s.edge2 * s.uvEdge1.y) * turn;
+        handedness = -turn;  // the bitangent runs against v, as glTF has it
+    }
     if (HAS(EFFECT_TANGENTS)) {
         bool given = s.tangentSign != 0.0f;
         tangent = SELECT(given, s.tangent, tangent);
-        handedness = SELECT(given, s.tangentSign, -turn);
+        handedness = SELECT(given, s.tangentSign, handedness);
     }
     t = tangent - s.normal * dot(tangent, s.normal);
     float tt = dot(t, t);

@@ -80,6 +80,30 @@ void expectSame(const WideKernel::Surface& w, const EveryKernel::Surface& s, int
     }
 }
 
+void expectSameLayers(const WideKernel::Shading& w, const EveryKernel::Shading& s, int lane, EffectSet effects) {
+    if (effects.has(EFFECT_ANISOTROPY)) {
+        EXPECT_FIELD(tangent);
+        EXPECT_FIELD(bitangent);
+        EXPECT_FIELD(widthAlong);
+        EXPECT_FIELD(widthAcross);
+    }
+    if (effects.has(EFFECT_IRIDESCENCE)) {
+        EXPECT_FIELD(film);
+        EXPECT_FIELD(filmThickness);
+    }
+    if (effects.has(EFFECT_SHEEN)) {
+        EXPECT_FIELD(sheen);
+        EXPECT_FIELD(sheenAlbedo);
+    }
+    if (effects.has(EFFECT_CLEARCOAT)) {
+        EXPECT_FIELD(coat);
+        EXPECT_FIELD(coatRoughness);
+        EXPECT_FIELD(coatNormal);
+        EXPECT_FIELD(coatAlbedo);
+    }
+    if (effects.has(EFFECT_DIFFUSE_TRANSMISSION)) EXPECT_FIELD(through);
+}
+
 void expectSame(const WideKernel::Shading& w, const EveryKernel::Shading& s, int lane) {
     EXPECT_FIELD(normal);
     EXPECT_FIELD(diffuse);
@@ -239,10 +263,12 @@ void compareGroup(EveryKernel& scalar, WideKernel& lanes, const RandomHit (&hits
         expectSame(wideStart, scalar.startSample(hits[lane].pixel, sample), lane);
         const auto surface = scalar.surfaceAt(p.origin, p.direction, p.coneWidth, p.coneSpread, hits[lane].hit);
         expectSame(wideSurface, surface, lane, scalar.frame.effects);
+        SCOPED_TRACE("material " + std::to_string(surface.material));
         auto shading = scalar.shadingAt(surface);
         const vec3 wo = -p.direction;
         scalar.seenFrom(shading, wo);
         expectSame(wideShading, shading, lane);
+        expectSameLayers(wideShading, shading, lane, {uint64_t(scalar.frame.layers) << 32});
         const vec3 throughput = p.throughput * scalar.mediumTransmittance(p.medium, surface);
         EXPECT_TRUE(same(wideThroughput, throughput, lane)) << "mediumTransmittance";
         const vec3 emitted = scalar.emittedRadiance(shading, throughput);

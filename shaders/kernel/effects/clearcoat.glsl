@@ -8,11 +8,13 @@ void addCoat(INOUT(Shading) r, IN(Surface) s, uint layers) {
     r.coat = layerNumber(layers, LAYER_coat, 0.0f) * layerTexel(layers, LAYER_coatTexture, s).x;
     r.coatRoughness = layerNumber(layers, LAYER_coatRoughness, 0.0f) * layerTexel(layers, LAYER_coatRoughnessTexture, s).y;
     r.coatNormal = s.normal;
-    uint slot = layerWord(layers, LAYER_coatNormalTexture);
-    bool mapped = slot != NO_INDEX;
-    if (ANY(mapped)) {
-        vec3 n = mappedNormal(s, SELECT(mapped, slot, uint(0u)), layerNumber(layers, LAYER_coatNormalScale, 1.0f), 0u);
-        r.coatNormal = SELECT(mapped, n, r.coatNormal);
+    if (HAS(EFFECT_TEXTURES)) {
+        uint slot = layerWord(layers, LAYER_coatNormalTexture);
+        bool mapped = slot != NO_INDEX;
+        if (ANY(mapped)) {
+            vec3 n = mappedNormal(s, SELECT(mapped, slot, uint(0u)), layerNumber(layers, LAYER_coatNormalScale, 1.0f), 0u);
+            r.coatNormal = SELECT(mapped, n, r.coatNormal);
+        }
     }
 }
 

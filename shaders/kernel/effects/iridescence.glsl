@@ -28,7 +28,7 @@ vec3 filmSensitivity(float path, vec3 shift) {
     x = x + gaussianWave(9.7470e-14f, 2.2399e6f, 4.5282e9f, phase, shift.x);
     float y = gaussianWave(4.4201e-13f, 1.7953e6f, 9.3046e9f, phase, shift.y);
     float z = gaussianWave(5.2481e-13f, 2.2084e6f, 6.6121e9f, phase, shift.z);
-    float scale = 1.0f / 1.0685e-7f;
+    float scale = 9358914.0f;  // 1 / 1.0685e-7
     return vec3(3.2404542f * x - 1.5371385f * y - 0.4985314f * z, -0.9692660f * x + 1.8760108f * y + 0.0415560f * z,
                 0.0556434f * x - 0.2040259f * y + 1.0572252f * z) * scale;
 }

@@ -13,8 +13,10 @@ uint layerWord(uint layers, UNIFORM_UINT word) {
 // The texel of one of its images; white without one.
 vec4 layerTexel(uint layers, UNIFORM_UINT word, IN(Surface) s) {
     vec4 texel = vec4(1.0f, 1.0f, 1.0f, 1.0f);
-    uint slot = layerWord(layers, word);
-    if (ANY(slot != NO_INDEX)) texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse);
+    if (HAS(EFFECT_TEXTURES)) {
+        uint slot = layerWord(layers, word);
+        if (ANY(slot != NO_INDEX)) texel = sampleTexture(slot, s.uv0, s.uv1, s.footprint, s.ellipse);
+    }
     return texel;
 }
 

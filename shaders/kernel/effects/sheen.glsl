@@ -15,11 +15,11 @@ void addSheen(INOUT(Shading) r, IN(Surface) s, uint layers) {
 }
 
 float sheenFit(float x, float most) {
-    float a = 21.5473f + (25.3245f - 21.5473f) * most;
-    float b = 3.82987f + (3.32435f - 3.82987f) * most;
-    float c = 0.19823f + (0.16801f - 0.19823f) * most;
-    float d = -1.97760f + (-1.27393f + 1.97760f) * most;
-    float e = -4.32054f + (-4.85967f + 4.32054f) * most;
+    float a = 21.5473f + 3.7772f * most;  // differences as they are: compilers fold them in double or not
+    float b = 3.82987f - 0.50552f * most;
+    float c = 0.19823f - 0.03022f * most;
+    float d = -1.97760f + 0.70367f * most;
+    float e = -4.32054f - 0.53913f * most;
     return a / (1.0f + b * powKernel(x, c)) + d * x + e;
 }
 
