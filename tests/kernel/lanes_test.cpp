@@ -101,7 +101,9 @@ void expectSameLayers(const WideKernel::Shading& w, const EveryKernel::Shading& 
         EXPECT_FIELD(coatNormal);
         EXPECT_FIELD(coatAlbedo);
     }
-    if (effects.has(EFFECT_DIFFUSE_TRANSMISSION)) EXPECT_FIELD(through);
+    if (effects.has(EFFECT_DIFFUSE_TRANSMISSION)) {
+        EXPECT_FIELD(through);
+    }
 }
 
 void expectSame(const WideKernel::Shading& w, const EveryKernel::Shading& s, int lane) {
