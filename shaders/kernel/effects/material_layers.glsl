@@ -1,13 +1,17 @@
-// How the layers of a material are read; what each does stands in its own file.
+// How the layers of a material are read; what each does stands in its own file. A scene without layers may have no texel at all.
 
 float layerNumber(uint layers, UNIFORM_UINT word, float otherwise) {
     bool some = layers != NO_INDEX;
-    return SELECT(some, intBitsToFloat(int(TEXEL(SELECT(some, layers + word, uint(0u))))), otherwise);
+    float value = otherwise;
+    if (ANY(some)) value = SELECT(some, intBitsToFloat(int(TEXEL(SELECT(some, layers + word, uint(0u))))), otherwise);
+    return value;
 }
 
 uint layerWord(uint layers, UNIFORM_UINT word) {
     bool some = layers != NO_INDEX;
-    return SELECT(some, TEXEL(SELECT(some, layers + word, uint(0u))), uint(NO_INDEX));
+    uint value = uint(NO_INDEX);
+    if (ANY(some)) value = SELECT(some, TEXEL(SELECT(some, layers + word, uint(0u))), uint(NO_INDEX));
+    return value;
 }
 
 // The texel of one of its images; white without one.

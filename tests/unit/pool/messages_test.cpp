@@ -188,7 +188,7 @@ TEST(PoolMessages, WhatNoHeadAsksForIsRefused) {
     order.request.resolution = {0, 50};
     refused(order);
     order = someBatch();
-    order.request.effects.bits = 1u << 31;
+    order.request.effects.bits = uint64_t(1) << 63;
     refused(order);
 }
 
