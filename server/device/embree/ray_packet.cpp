@@ -62,6 +62,17 @@ private:
     }
 };
 
+// Makes the others rays without length: where a processor has no packets of 16, Embree takes all that have one, whatever the mask
+// says, and ends the process over those that are not valid.
+void silenceOthers(RTCRay16& rays, const ValidMask& valid) {
+    for (uint32_t i = 0; i < PACKET; i++) {
+        if (valid[i]) continue;
+        rays.org_x[i] = rays.org_y[i] = rays.org_z[i] = rays.dir_x[i] = rays.dir_y[i] = rays.tnear[i] = 0.0f;
+        rays.dir_z[i] = 1.0f;
+        rays.tfar[i] = -1.0f;
+    }
+}
+
 // Copies W rays from lane `first` of a 16-wide packet into a narrower one.
 template <uint32_t W, typename Narrow>
 void copyRays(Narrow& to, const RTCRay16& from, uint32_t first) {
@@ -174,6 +185,7 @@ void traceClosest(const TraceTarget& target, RTCRayHit16& packet, uint32_t count
             packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
             packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
+        silenceOthers(packet.ray, valid);
         SentRays sent(context, packet.ray);
         rtcIntersect16(valid.lane, target.scene, &context.rtc, &packet);
     } else if (mode.width == 8) {
@@ -191,6 +203,7 @@ uint32_t traceOccluded(const TraceTarget& target, RTCRay16& packet, uint32_t cou
     uint32_t blocked = 0;
     if (mode.width == 16) {
         const ValidMask valid(target, packet, count);
+        silenceOthers(packet, valid);
         SentRays sent(context, packet);
         rtcOccluded16(valid.lane, target.scene, &context.rtc, &packet);
         for (uint32_t i = 0; i < count; i++) blocked |= (packet.tfar[i] < 0.0f ? 1u : 0u) << i;
