@@ -328,7 +328,7 @@ void compareScene(const Scene& scene, int groups, uint64_t seed) {
     }
 }
 
-TEST(Lanes, EqualTheScalarKernelInTheMaterialZoo) { compareScene(*test::materialZoo(), 20000, 1); }
+TEST(Lanes, EqualTheScalarKernelInTheMaterialZoo) { compareScene(*test::materialZoo(true), 20000, 1); }
 
 TEST(Lanes, EqualTheScalarKernelInTheCornellBox) { compareScene(*openScene("cornell"), 5000, 2); }
 

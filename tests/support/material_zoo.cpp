@@ -96,8 +96,17 @@ std::vector<uint32_t> addMaterials(SceneBuilder& builder, const Textures& t) {
     add("unlit", [&](Material& m) { m.flags |= MATERIAL_UNLIT, m.baseTexture = t.colour; });
     add("normal map", [&](Material& m) { m.normalTexture = t.normal, m.normalScale = 0.8f, m.roughness = 0.2f; });
     add("hollows", [&](Material& m) { m.occlusionTexture = t.linear, m.occlusionStrength = 0.7f; });
+    add("bump", [&](Material& m) { phong(m), m.normalTexture = t.colour, m.flags |= MATERIAL_BUMP, m.mirror = 0.2f; });
+    return all;
+}
+
+/// One material of each layer, and one of all; appends their indices.
+void addLayered(SceneBuilder& builder, const Textures& t, std::vector<uint32_t>& all) {
     const auto layered = [&](const char* name, const MaterialLayers& layers, auto&& change) {
-        add(name, [&](Material& m) { change(m), m.layers = builder.addLayers(layers); });
+        Material m = SceneBuilder::defaultMaterial();
+        change(m);
+        m.layers = builder.addLayers(layers);
+        all.push_back(builder.addMaterial(m, name));
     };
     layered("varnish", {.coat = 1.0f, .coatRoughness = 0.1f, .coatTexture = t.linear}, [](Material&) {});
     layered("rippled varnish",
@@ -112,7 +121,8 @@ std::vector<uint32_t> addMaterials(SceneBuilder& builder, const Textures& t) {
             [](Material& m) { m.metallic = 1.0f, m.roughness = 0.5f; });
     layered("soap", {.iridescence = 1.0f, .iridescenceTexture = t.linear, .filmThicknessTexture = t.colour},
             [](Material& m) { m.roughness = 0.2f; });
-    layered("prism", {.dispersion = 2.0f}, glass);
+    layered("prism", {.dispersion = 2.0f},
+            [](Material& m) { m.transmission = 1.0f, m.roughness = 0.0f, m.flags |= MATERIAL_VOLUME; });
     layered("paper", {.diffuseTransmission = 0.6f, .diffuseGreen = 0.5f, .diffuseColorTexture = t.colour}, [](Material&) {});
     layered("everything",
             {.coat = 0.5f,
@@ -122,8 +132,6 @@ std::vector<uint32_t> addMaterials(SceneBuilder& builder, const Textures& t) {
              .iridescence = 0.5f,
              .diffuseTransmission = 0.2f},
             [](Material& m) { m.roughness = 0.5f; });
-    add("bump", [&](Material& m) { phong(m), m.normalTexture = t.colour, m.flags |= MATERIAL_BUMP, m.mirror = 0.2f; });
-    return all;
 }
 
 /// A sphere with texture coordinates in both sets and, on request, colours.
@@ -176,11 +184,12 @@ void addLights(SceneBuilder& builder) {
 
 }  // namespace
 
-std::shared_ptr<const Scene> materialZoo() {
+std::shared_ptr<const Scene> materialZoo(bool withLayers) {
     Random random(42);
     SceneBuilder builder("material zoo");
     const Textures textures = addTextures(builder, random);
-    const std::vector<uint32_t> materials = addMaterials(builder, textures);
+    std::vector<uint32_t> materials = addMaterials(builder, textures);
+    if (withLayers) addLayered(builder, textures, materials);
     builder.addInstance(builder.addMesh(panel(vec3(-1, 0, 11), vec3(12, 0, 0), vec3(0, 0, -12), materials[1])), mat4(1.0f));
     const auto placeAt = [&](size_t i) {
         return glm::translate(mat4(1.0f), vec3(float(i % 8) * 1.3f, 0.8f, float(i / 8) * 1.4f));
