@@ -245,7 +245,7 @@ void seenFrom(INOUT(Shading) m, vec3 wo) {
     if (MET(VARIETY_MICROFACET) && ANY(microfacet)) {
         if (HAS_LAYER(EFFECT_IRIDESCENCE)) seenThroughFilm(m, wo);
         float roughness = m.roughness;
-        if (HAS_LAYER(EFFECT_ANISOTROPY)) roughness = SELECT(roughness > 0.0f && m.widthAlong != m.widthAcross, sqrt(widthOfLoss(m, dot(m.normal, wo))), roughness);
+        if (HAS_LAYER(EFFECT_ANISOTROPY)) roughness = SELECT(isBrushed(m), sqrt(widthOfLoss(m, dot(m.normal, wo))), roughness);
         vec2 lobe = lobeIntegrals(roughness, max(dot(m.normal, wo), 1.0e-4f));
         float lost = 1.0f / (lobe.x + lobe.y) - 1.0f;
         vec3 gain = vec3(1.0f + m.f0.x * lost, 1.0f + m.f0.y * lost, 1.0f + m.f0.z * lost);
@@ -263,15 +263,17 @@ void seenFrom(INOUT(Shading) m, vec3 wo) {
 
 // Distribution and visibility of the specular lobe; h half way between.
 float specularLobe(IN(Shading) m, vec3 wo, vec3 wi, vec3 h, float nDotV, float nDotL) {
-    if (HAS_LAYER(EFFECT_ANISOTROPY)) return lobeAlong(m, wo, wi, h, nDotV, nDotL);
     float a = lobeWidth(m.roughness);
-    return distributionGgx(saturate(dot(m.normal, h)), a) * visibilityGgx(nDotV, nDotL, a);
+    float lobe = distributionGgx(saturate(dot(m.normal, h)), a) * visibilityGgx(nDotV, nDotL, a);
+    if (HAS_LAYER(EFFECT_ANISOTROPY)) lobe = SELECT(isBrushed(m), lobeAlong(m, wo, wi, h, nDotV, nDotL), lobe);
+    return lobe;
 }
 
 // Density per steradian with which a ray leaves by the facet whose normal is h.
 float facetDensity(IN(Shading) m, vec3 wo, vec3 h) {
-    if (HAS_LAYER(EFFECT_ANISOTROPY)) return densityAlong(m, wo, h);
-    return visibleDensity(max(dot(m.normal, wo), 1.0e-4f), saturate(dot(m.normal, h)), lobeWidth(m.roughness));
+    float density = visibleDensity(max(dot(m.normal, wo), 1.0e-4f), saturate(dot(m.normal, h)), lobeWidth(m.roughness));
+    if (HAS_LAYER(EFFECT_ANISOTROPY)) density = SELECT(isBrushed(m), densityAlong(m, wo, h), density);
+    return density;
 }
 
 // What the diffuse lobes reflect and let through, as reflectedLight.

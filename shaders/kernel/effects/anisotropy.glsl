@@ -8,6 +8,9 @@ void roundLobe(INOUT(Shading) r) {
     r.widthAcross = r.widthAlong;
 }
 
+// Whether its lobe is longer one way; others keep the digits that they have without the effect.
+bool isBrushed(IN(Shading) m) { return m.roughness > 0.0f && m.widthAlong != m.widthAcross; }
+
 void addAnisotropy(INOUT(Shading) r, IN(Surface) s, uint layers) {
     roundLobe(r);
     float strength = layerNumber(layers, LAYER_anisotropy, 0.0f);
@@ -98,6 +101,6 @@ float facetShareAlong(IN(Shading) m, vec3 wo) {
     float nDotL = dot(m.normal, wi);
     float v = maskedCosine(m, wo);
     float both = max(nDotL, 0.0f) * v + nDotV * maskedCosine(m, wi);
-    float share = SELECT(m.roughness > 0.0f, max(nDotL, 0.0f) * (nDotV + v) / max(both, 1.0e-20f), 1.0f);
+    float share = max(nDotL, 0.0f) * (nDotV + v) / max(both, 1.0e-20f);
     return SELECT(nDotL > 0.0f && woh > 0.0f, share, 0.0f);
 }

@@ -61,7 +61,6 @@ vec3 reflectingNormal(uvec2 pixel, UNIFORM_UINT sampleIndex, uint salt, IN(Shadi
 // What a ray that leaves by the facet weighs beside its Fresnel reflectance: the share of the facets that are seen from wo
 // and also from where the ray goes, G2 / G1. 1 for a mirror.
 float facetShare(IN(Shading) m, vec3 wo) {
-    if (HAS_LAYER(EFFECT_ANISOTROPY)) return facetShareAlong(m, wo);
     float a = SELECT(m.roughness > 0.0f, lobeWidth(m.roughness), 0.0f);
     float a2 = a * a;
     float woh = dot(wo, m.facet);
@@ -69,7 +68,9 @@ float facetShare(IN(Shading) m, vec3 wo) {
     float nDotL = 2.0f * woh * dot(m.normal, m.facet) - dot(m.normal, wo);
     float g1 = 2.0f * nDotV / (nDotV + sqrt(a2 + (1.0f - a2) * nDotV * nDotV));
     float g2 = 4.0f * nDotV * nDotL * visibilityGgx(nDotV, max(nDotL, 0.0f), a);
-    return SELECT(nDotL > 0.0f && woh > 0.0f, g2 / g1, 0.0f);
+    float share = SELECT(nDotL > 0.0f && woh > 0.0f, g2 / g1, 0.0f);
+    if (HAS_LAYER(EFFECT_ANISOTROPY)) share = SELECT(isBrushed(m), facetShareAlong(m, wo), share);
+    return share;
 }
 
 // Share of what goes through a rough surface that its other facets let go on, under `cosine` on the far side: G1. 1 for a
