@@ -108,10 +108,13 @@ TEST(GltfExtensions, EachIsListedWithWhatBecomesOfIt) {
     EXPECT_FALSE(scene->extensions[1].read);
     EXPECT_EQ(scene->extensions[1].note, whyNotRead("KHR_materials_volume_scatter"));
     EXPECT_FALSE(scene->extensions[2].read);
-    EXPECT_THAT(scene->warnings, ::testing::Contains("extension 'KHR_materials_volume_scatter' is not read: bodies absorb and do not scatter"));
-    const std::string required = R"(,"extensionsUsed":["KHR_materials_volume_scatter"],"extensionsRequired":["KHR_materials_volume_scatter"])";
+    EXPECT_THAT(scene->warnings,
+                ::testing::Contains("extension 'KHR_materials_volume_scatter' is not read: bodies absorb and do not scatter"));
+    const std::string required =
+        R"(,"extensionsUsed":["KHR_materials_volume_scatter"],"extensionsRequired":["KHR_materials_volume_scatter"])";
     EXPECT_THAT(faultOf(folder.write("b.gltf", triangleJson(dataUri(triangleBytes()), required))),
-                HasSubstr("extension 'KHR_materials_volume_scatter', which is not read: bodies absorb and do not scatter; allowed: KHR_lights"));
+                HasSubstr("extension 'KHR_materials_volume_scatter', which is not read: bodies absorb and do not scatter; "
+                          "allowed: KHR_lights"));
     EXPECT_THAT(openScene("cornell")->extensions, IsEmpty());
 }
 
