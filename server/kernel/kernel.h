@@ -4,7 +4,7 @@
 
 #include "server/kernel/scene_view.h"
 
-#define HAS(effect) ((EFFECTS & (effect)) != 0u && (frame.effects & (effect)) != 0u)
+#define HAS(effect) ((EFFECTS & askedOfHas<(effect)>()) != 0u && (frame.effects & (effect)) != 0u)
 #define HAS_LAYER(effect) ((EFFECTS & (effect)) != 0u && (frame.layers & ((effect) >> 32)) != 0u)
 #define IN(T) const T&
 #define OUT(T) T&

@@ -42,4 +42,11 @@ static_assert(sizeof(KernelCamera) == 64);
 static_assert(offsetof(FrameConstants, resolution) == 64 && offsetof(FrameConstants, fogCenter) == 96 &&
               offsetof(FrameConstants, rayReach) == 108 && offsetof(FrameConstants, cameraBefore) == 112);
 
+/// What HAS asks for: GLSL holds effects from bit 32 on in another word, which HAS_LAYER asks.
+template <uint64_t EFFECT>
+constexpr uint64_t askedOfHas() {
+    static_assert(EFFECT >> 32 == 0, "HAS_LAYER asks for effects from bit 32 on");
+    return EFFECT;
+}
+
 }  // namespace heliograph
