@@ -191,7 +191,8 @@ bool reflects(const Scene& scene, const Material& m) {
 bool glossy(const Scene& scene, const Material& m) {
     if (!lit(m) || phong(m)) return false;
     const MaterialLayers l = layersOf(scene, m);
-    return (l.coat > 0.0f && l.coatRoughness > 0.0f) || (!transmits(scene, m) && m.roughness > 0.0f && specular(m));
+    return (l.coat > 0.0f && l.coatRoughness > 0.0f) ||
+           (!transmits(scene, m) && (m.roughness > 0.0f || l.anisotropy > 0.0f) && specular(m));
 }
 
 /// Something that light falls on.

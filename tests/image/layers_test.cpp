@@ -202,7 +202,7 @@ TEST(Layers, SheenOverBlackReflectsItsIntegral) {
 }
 
 TEST(Layers, AnisotropicMetalNeverGains) {
-    for (float roughness : {0.2f, 0.5f}) {
+    for (float roughness : {0.0f, 0.2f, 0.5f}) {
         for (float strength : {0.5f, 1.0f}) {
             expectNoGain(
                 "brushed",

@@ -1,6 +1,8 @@
 // Anisotropy: highlights that are longer one way, as on brushed metal (KHR_materials_anisotropy). GGX of two widths: Heitz,
 // "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs" (2014).
 
+FLOAT_CONSTANT(LEAST_BRUSHED_ROUGHNESS, 0.0447f)  // of the narrowest lobe, lobeWidth
+
 // A lobe that is as wide one way as the other.
 void roundLobe(INOUT(Shading) r) {
     orthonormalBasis(r.normal, r.tangent, r.bitangent);
@@ -31,7 +33,10 @@ void addAnisotropy(INOUT(Shading) r, IN(Surface) s, uint layers) {
         float length2 = dot(along, along);
         usable = usable && some && length2 > 1.0e-12f;
         along = along * (1.0f / sqrt(SELECT(usable, length2, 1.0f)));
+        // Smooth across, but no mirror: its facets lean the long way.
+        r.roughness = SELECT(usable && strength > 0.0f, max(r.roughness, LEAST_BRUSHED_ROUGHNESS), r.roughness);
         float a = r.roughness * r.roughness;
+        r.widthAcross = SELECT(usable, lobeWidth(r.roughness), r.widthAcross);
         r.tangent = SELECT(usable, along, r.tangent);
         r.bitangent = SELECT(usable, cross(r.normal, along), r.bitangent);
         r.widthAlong = SELECT(usable, max(a + (1.0f - a) * strength * strength, 2.0e-3f), r.widthAlong);
