@@ -1,16 +1,18 @@
 #include "server/device/vulkan/core/spirv_exact.h"
 
+#include "server/device/vulkan/core/spirv_module.h"
+
 #include <bit>
 #include <stdexcept>
 #include <utility>
 
 namespace heliograph {
 
+using namespace spirv;
+
 namespace {
 
 // Numbers of the SPIR-V specification, section 3.
-constexpr uint32_t SPIRV_MAGIC = 0x07230203;
-constexpr uint32_t HEADER_WORDS = 5;
 constexpr uint32_t OP_DECORATE = 71;
 constexpr uint32_t OP_TYPE_FIRST = 19;  // OpTypeVoid; annotations come before all types
 constexpr uint32_t OP_IMPORT = 11;
@@ -43,18 +45,6 @@ bool isFloatArithmetic(uint32_t op) {
         case 142:  // OpVectorTimesScalar
             return true;
         default: return false;
-    }
-}
-
-/// Calls `visit(op, instruction)` for each instruction. Throws std::invalid_argument if it is not a SPIR-V module.
-template <typename Visit>
-void forEachInstruction(std::span<const uint32_t> module, Visit visit) {
-    if (module.size() < HEADER_WORDS || module[0] != SPIRV_MAGIC) throw std::invalid_argument("not a SPIR-V module");
-    for (size_t at = HEADER_WORDS; at < module.size();) {
-        const uint32_t words = module[at] >> 16;
-        if (words == 0 || at + words > module.size()) throw std::invalid_argument("a SPIR-V module with a broken instruction");
-        visit(module[at] & 0xffffu, module.subspan(at, words));
-        at += words;
     }
 }
 

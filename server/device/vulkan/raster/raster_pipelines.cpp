@@ -2,6 +2,7 @@
 
 #include "server/device/vulkan/raster/raster_target.h"
 #include "server/device/vulkan/core/shader_code.h"
+#include "server/device/vulkan/core/spirv_specialised.h"
 
 namespace heliograph {
 
@@ -15,13 +16,6 @@ constexpr uint32_t BINDINGS = BINDING_SOBOL + 1;  // the kernel's own
 RasterPipelines::RasterPipelines(Gpu& gpu) : gpu_(gpu) {
     makePass();
     makeLayout();
-    const std::span<const uint32_t> codes[] = {shaders::rasterVertex(), shaders::rasterFragment()};
-    for (int i = 0; i < 2; i++) {
-        VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-        info.codeSize = codes[i].size_bytes();
-        info.pCode = codes[i].data();
-        check(vkCreateShaderModule(gpu.handle(), &info, nullptr, modules_[i].put(gpu.handle())), "take the preview's shaders");
-    }
 }
 
 void RasterPipelines::makePass() {
@@ -98,18 +92,19 @@ VkPipeline RasterPipelines::get(EffectSet effects) {
 
 OwnedPipeline RasterPipelines::make(EffectSet effects) const {
     const uint32_t words[] = {effects.low(), effects.high()};
-    const VkSpecializationMapEntry entries[] = {{0, 0, 4}, {1, 4, 4}};
-    VkSpecializationInfo specialization{2, entries, sizeof words, words};
+    const std::span<const uint32_t> codes[] = {shaders::rasterVertex(), shaders::rasterFragment()};
+    OwnedShaderModule modules[2];
     const VkShaderStageFlagBits kinds[] = {VK_SHADER_STAGE_VERTEX_BIT, VK_SHADER_STAGE_FRAGMENT_BIT};
     VkPipelineShaderStageCreateInfo stages[2];
-    for (int i = 0; i < 2; i++)
-        stages[i] = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                     nullptr,
-                     0,
-                     kinds[i],
-                     modules_[i].get(),
-                     "main",
-                     &specialization};
+    for (int i = 0; i < 2; i++) {
+        const std::vector<uint32_t> code = specialised(codes[i], words);
+        VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+        info.codeSize = code.size() * sizeof(uint32_t);
+        info.pCode = code.data();
+        check(vkCreateShaderModule(gpu_.handle(), &info, nullptr, modules[i].put(gpu_.handle())), "take the preview's shaders");
+        stages[i] = {
+            VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, kinds[i], modules[i].get(), "main", nullptr};
+    }
     VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
     VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
     assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;

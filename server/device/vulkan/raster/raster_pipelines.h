@@ -37,7 +37,6 @@ private:
     OwnedPipelineLayout layout_;
     OwnedDescriptorPool pool_;
     VkDescriptorSet set_ = VK_NULL_HANDLE;  // the pool's
-    OwnedShaderModule modules_[2];
     std::map<uint64_t, OwnedPipeline> pipelines_;
 };
 

@@ -4,6 +4,7 @@
 #include "server/device/vulkan/core/pipeline_statistics.h"
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/spirv_exact.h"
+#include "server/device/vulkan/core/spirv_specialised.h"
 #include "server/kernel/kernel.h"
 
 #include <algorithm>
@@ -85,9 +86,9 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::
     check(vkCreateDescriptorPool(device, &poolInfo, nullptr, &pool), "make a descriptor pool");
     pool_ = {device, pool};
     if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4() : shaders::traceWide2();
-    module_ = moduleOf(gpu, withoutContraction(other));
+    code_ = withoutContraction(other);
     if (!gpu.physical().isCpu() || gpu.context().options().rounding == Rounding::exact) {
-        exactModule_ = moduleOf(gpu, withoutContraction(withExactQuotients(other)));
+        exactCode_ = withoutContraction(withExactQuotients(other));
     }
 }
 
@@ -151,17 +152,16 @@ size_t TracePipelines::count() const {
 }
 
 OwnedPipeline TracePipelines::make(const Key& constants) const {
-    const VkSpecializationMapEntry entries[] = {{0, 0, 4},  {1, 4, 4},  {2, 8, 4}, {3, 12, 4},
-                                                {4, 16, 4}, {5, 20, 4}, {6, 24, 4}};
-    VkSpecializationInfo specialization{7, entries, sizeof constants, constants.data()};
+    const auto words = std::span(constants).first(EXACT);
+    const OwnedShaderModule module = moduleOf(gpu_, specialised(constants[EXACT] != 0 ? exactCode_ : code_, words));
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                   nullptr,
                   0,
                   VK_SHADER_STAGE_COMPUTE_BIT,
-                  (constants[EXACT] != 0 ? exactModule_ : module_).get(),
+                  module.get(),
                   "main",
-                  &specialization};
+                  nullptr};
     info.layout = layout_.get();
     if (gpu_.pipelineStatistics()) info.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
     VkPipeline pipeline;

@@ -61,7 +61,7 @@ private:
     OwnedDescriptorSetLayout setLayout_;
     OwnedPipelineLayout layout_;
     OwnedDescriptorPool pool_;
-    OwnedShaderModule module_, exactModule_;  // the second not where the driver rounds exactly by itself
+    std::vector<uint32_t> code_, exactCode_;  // the second not where the driver rounds exactly by itself
     struct Made {
         OwnedPipeline pipeline;
         uint64_t lastUse = 0;
