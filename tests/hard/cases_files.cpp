@@ -26,7 +26,8 @@ constexpr rlim_t MEMORY = 3ull << 30;  // address space; what is linked takes a 
 
 std::vector<fuzz::Bytes> files() {
     std::vector<fuzz::Bytes> all;
-    for (const fuzz::Seed& seed : fuzz::seeds().at("glb")) all.emplace_back(seed.bytes.begin(), seed.bytes.end());
+    const auto seeds = fuzz::seeds();
+    for (const fuzz::Seed& seed : seeds.at("glb")) all.emplace_back(seed.bytes.begin(), seed.bytes.end());
     return all;
 }
 

@@ -30,10 +30,7 @@ float distanceTo(const Ray& ray, vec3 a, vec3 b, vec3 c) {
 
 class NaiveTracer : public Tracer {
 public:
-    explicit NaiveTracer(const World& world)
-        : world_(world), scene_(plainScene(world.mesh())), bvh_(buildBvh(*scene_, {2, 3, 1})) {
-        fit(0u);
-    }
+    explicit NaiveTracer(const World& world) : scene_(plainScene(world.mesh())), bvh_(buildBvh(*scene_, {2, 3, 1})) { fit(0u); }
     const char* column() const override { return column::NAIVE; }
 
     void trace(std::span<const Ray> rays, std::vector<Met>& met) override {
@@ -149,7 +146,6 @@ private:
         }
     }
 
-    const World& world_;
     std::shared_ptr<const Scene> scene_;
     Bvh bvh_;
 };
