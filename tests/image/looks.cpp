@@ -16,6 +16,7 @@
 #include "server/request/surroundings.h"
 #include "server/scene/framing.h"
 #include "server/scene/load/scene_source.h"
+#include "server/scene/material_layers.h"
 #include "tests/support/direct_renderer.h"
 #include "tests/support/places.h"
 
@@ -35,6 +36,7 @@ namespace fs = std::filesystem;
 constexpr double LEAST_FILL = 75.0, MOST_FILL = 92.0;  // per cent of the tighter side
 constexpr double MOST_WHITE = 4.0;                     // per cent of the object's pixels
 constexpr double LEAST_MEAN = 0.25, MOST_MEAN = 0.6;   // of the object's codes, 0..1
+constexpr float COAT_REFLECTS = 0.092f;  // Fresnel's reflectance at index 1.5, its mean over a hemisphere by the cosine
 constexpr double DARKEST = 0.6;  // of the base colours' own mean, that a model may be; no brighter than that
 constexpr uint8_t WHITE = 253;   // least code of all channels of a white pixel
 
@@ -76,12 +78,15 @@ std::vector<std::string> sharedModels() {
 
 double codeOf(const uint8_t* rgb) { return (0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]) / 255.0; }
 
-/// What the object's base colours look like by themselves: every surface unlit, no curve.
+/// What the object's base colours look like by themselves: every surface unlit, no curve. A clear coat whitens what is under it
+/// by what its glass reflects of even light.
 double baseOf(const Scene& scene, const Look& look, const Camera& camera, const Options& options, Device& device) {
     auto unlit = std::make_shared<Scene>(scene);
     for (Material& material : unlit->materials) {
         material.flags |= MATERIAL_UNLIT;
         material.emission = vec4(0.0f);
+        const float coat = COAT_REFLECTS * layersOf(scene, material).coat;
+        material.baseColor = vec4(glm::mix(vec3(material.baseColor), vec3(1.0f), coat), material.baseColor.w);
     }
     Settings settings;
     device.load(unlit, settings, {});
