@@ -12,33 +12,31 @@ anchors() {
         sed -E 's/\[([^]]*)\]\([^)]*\)/\1/g; s/[^[:alnum:] _-]//g; s/ /-/g'
 }
 
-# prose FILE: LINE<tab>TEXT of every line that is no code block.
-prose() { awk '/^```/ { code = !code } !code && !/^    / { print FNR "\t" $0 }' "$1"; }
+# prose FILE: its lines, those of code blocks empty.
+prose() { awk '/^```/ { code = !code } { print code || /^(```|    )/ ? "" : $0 }' "$1"; }
 
 # check_page ROOT FILE: breaches of one page.
 check_page() {
-    local root=$1 file=$2 folder line text target path anchor
+    local root=$1 file=$2 folder line target path anchor
     folder=$(dirname "$root/$file")
     grep -nE "^.{$((COLUMNS_MOST + 1)),}" "$root/$file" |
         sed -E "s|^([0-9]+):.*|$file:\1: over $COLUMNS_MOST columns|"
-    while IFS=$'\t' read -r line text; do
-        while read -r target; do
-            case $target in '' | http://* | https://*) continue ;; esac
-            path=${target%%#*}
-            anchor=
-            [[ $target == *#* ]] && anchor=${target#*#}
-            if [ -n "$path" ] && [ ! -e "$folder/$path" ]; then
-                echo "$file:$line: link to $target, where nothing is"
-            elif [ -n "$anchor" ] && ! anchors "$folder/${path:-$(basename "$file")}" | grep -qxF -- "$anchor"; then
-                echo "$file:$line: link to $target, which has no such heading"
-            fi
-        done < <(grep -oE '\]\([^) ]+\)' <<<"$text" | sed -E 's/^\]\(//; s/\)$//')
-        # A path in backticks that begins with a folder of the repository.
-        while read -r target; do
-            [ -e "$root/$target" ] || echo "$file:$line: names $target, which does not exist"
-        done < <(grep -oE '`(server|shaders|client-web|tests|tools|docs|cmake|scenes)/[A-Za-z0-9_./-]+`' <<<"$text" |
-            tr -d '`' | grep -vE '^client-web/(dist|node_modules)')
-    done < <(prose "$root/$file")
+    while IFS=$'\t' read -r line target; do
+        case $target in '' | http://* | https://*) continue ;; esac
+        path=${target%%#*}
+        anchor=
+        [[ $target == *#* ]] && anchor=${target#*#}
+        if [ -n "$path" ] && [ ! -e "$folder/$path" ]; then
+            echo "$file:$line: link to $target, where nothing is"
+        elif [ -n "$anchor" ] && ! anchors "$folder/${path:-${file##*/}}" | grep -qxF -- "$anchor"; then
+            echo "$file:$line: link to $target, which has no such heading"
+        fi
+    done < <(prose "$root/$file" | grep -noE '\]\([^) ]+\)' | sed -E 's/^([0-9]+):\]\((.*)\)$/\1\t\2/')
+    # A path in backticks that begins with a folder of the repository.
+    while IFS=$'\t' read -r line target; do
+        [ -e "$root/$target" ] || echo "$file:$line: names $target, which does not exist"
+    done < <(prose "$root/$file" | grep -noE '`(server|shaders|client-web|tests|tools|docs|cmake|scenes)/[A-Za-z0-9_./-]+`' |
+        sed -E 's/^([0-9]+):`(.*)`$/\1\t\2/' | grep -vE $'\tclient-web/(dist|node_modules)')
 }
 
 check() {

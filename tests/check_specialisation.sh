@@ -46,6 +46,27 @@ whole=$every
 
 compiled "$folder/trace.spv" || { echo "0 passed, 1 failed"; exit 1; }
 printf '%-26s %12s %12s %12s\n' effect "all effects" "without it" "row removed"
+
+# row BIT NAME EVERY: prints its line, FAILED in it if it keeps anything.
+row() {
+    local bit=$1 name=$2 every=$3 own=$folder/$1 all=$folder/all-$3
+    if ! { compiled "$own.removed.spv" "-DLEFT_OUT=$(((1 << bit) & 0xffffffff))u" "-DLEFT_OUT_LAYERS=$((1 << bit >> 32))u" &&
+        specialised "$every" "$own.removed.spv" "$own.removed" &&
+        specialised $((every & ~(1 << bit))) "$folder/trace.spv" "$own.off"; }; then
+        echo "$name: FAILED: does not compile"
+        return
+    fi
+    printf '%-26s %12d %12d %12d' "$name" "$(instructions "$all")" "$(instructions "$own.off")" "$(instructions "$own.removed")"
+    if ! diff -q <(operations "$own.off") <(operations "$own.removed") >/dev/null; then
+        echo "  FAILED: something of it is left"
+    elif cmp -s "$own.off" "$all"; then
+        echo "  FAILED: nothing asks for it, so nothing is left out"
+    else
+        echo
+    fi
+}
+
+# As many at a time as there are processors; their lines in the table's order.
 while read -r bit name; do
     case $name in
         path) every=$whole ;;
@@ -53,25 +74,14 @@ while read -r bit name; do
         occlusionTextures) every=$((whole & ~path & ~occlusion)) ;;
         *) every=$((whole & ~path & ~glossy)) ;;
     esac
-    specialised "$every" "$folder/trace.spv" "$folder/all" || { echo "0 passed, 1 failed"; exit 1; }
-    if compiled "$folder/removed.spv" "-DLEFT_OUT=$(((1 << bit) & 0xffffffff))u" "-DLEFT_OUT_LAYERS=$((1 << bit >> 32))u" && specialised "$every" "$folder/removed.spv" "$folder/removed" &&
-        specialised $((every & ~(1 << bit))) "$folder/trace.spv" "$folder/off"; then
-        printf '%-26s %12d %12d %12d' "$name" "$(instructions "$folder/all")" "$(instructions "$folder/off")" \
-            "$(instructions "$folder/removed")"
-        if ! diff -q <(operations "$folder/off") <(operations "$folder/removed") >/dev/null; then
-            echo "  FAILED: something of it is left"
-            failed=$((failed + 1))
-        elif cmp -s "$folder/off" "$folder/all"; then
-            echo "  FAILED: nothing asks for it, so nothing is left out"
-            failed=$((failed + 1))
-        else
-            echo
-            passed=$((passed + 1))
-        fi
-    else
-        echo "$name: FAILED: does not compile"
-        failed=$((failed + 1))
-    fi
+    [ -f "$folder/all-$every" ] || specialised "$every" "$folder/trace.spv" "$folder/all-$every" || { echo "0 passed, 1 failed"; exit 1; }
+    while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n; done
+    row "$bit" "$name" "$every" >"$folder/$bit.line" &
+done <<<"$rows"
+wait
+while read -r bit name; do
+    cat "$folder/$bit.line"
+    if [ ! -s "$folder/$bit.line" ] || grep -q FAILED "$folder/$bit.line"; then failed=$((failed + 1)); else passed=$((passed + 1)); fi
 done <<<"$rows"
 echo "$passed passed, $failed failed"
 [ "$failed" = 0 ] && [ "$passed" -gt 0 ]

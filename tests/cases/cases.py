@@ -4,6 +4,7 @@ known. Prints a row per question; the last line is `N passed, N failed`.
 
 cases.py [--program build/release/heliograph] [--devices embree,vulkan] [NAME...]"""
 import argparse, json, math, os, subprocess, sys, tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import far_cases, gltf_cases, obj_cases, picture_cases
@@ -211,15 +212,26 @@ READING = {*obj_cases.CASES, *picture_cases.CASES, gltf_cases.names_and_data, gl
 class Runner:
     def __init__(self, program, folder):
         self.program, self.folder, self.films, self.passed, self.failed = program, folder, {}, 0, 0
+        self.drawers = ThreadPoolExecutor(os.cpu_count())
 
-    def film(self, device, file, options):
+    def begin(self, device, file, options):
+        """Draws it beside what else is drawn."""
         key = (device, file, options)
         if key not in self.films:
-            out = os.path.join(self.folder, 'film.exr')
-            command = [self.program, 'render', file, '--out', out, '--size', '64x64', '--samples', '16', '--device', device, *options]
-            done = subprocess.run(command, capture_output=True, text=True, timeout=300, env={**os.environ, 'HELIOGRAPH_CACHE': self.folder})
-            self.films[key] = (film(out), done.stderr) if done.returncode == 0 else (None, done.stderr)
+            self.films[key] = self.drawers.submit(self.draw, len(self.films), *key)
         return self.films[key]
+
+    def draw(self, number, device, file, options):
+        out = os.path.join(self.folder, f'film{number}.exr')
+        command = [self.program, 'render', file, '--out', out, '--size', '64x64', '--samples', '16', '--device', device, *options]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, env={**os.environ, 'HELIOGRAPH_CACHE': self.folder})
+        rows = film(out) if done.returncode == 0 else None
+        if rows is not None:
+            os.remove(out)
+        return rows, done.stderr
+
+    def film(self, device, file, options):
+        return self.begin(device, file, options).result()
 
     def answer(self, device, question, devices):
         """What was seen, as text, and whether it is right."""
@@ -240,6 +252,10 @@ class Runner:
         return ' '.join('%.4g' % v for v in seen) + ('' if not warns or warns in said else ' (not told)'), right
 
     def run(self, case, devices):
+        for _, file, _, expected, _, _, options in case.questions:
+            for device in devices:
+                for drawn in (file, *([expected] if isinstance(expected, str) else [])):
+                    self.begin(device, drawn, options)
         for question in case.questions:
             expected = question[3] if not isinstance(question[3], str) else 'as ' + os.path.basename(question[3])
             cells, right = [], True
