@@ -24,11 +24,16 @@ expect "ldd finds everything" [ "$libraries" -gt 5 -a "$(grep -c 'not found' "$s
 expect "at most 24 libraries ($libraries)" [ "$libraries" -le 24 ]
 expect "no OpenImageIO" [ "$(grep -c -i -E 'OpenImageIO|OpenEXR|Imath|libtiff|libheif|ffmpeg|avcodec' "$scratch/said")" = 0 ]
 
-# Processor time, so that a busy machine changes nothing; nothing is waited for.
-read -r micros peak < <(python3 -c 'import resource, subprocess, sys
-for _ in range(20): subprocess.run([sys.argv[1], "--version"], stdout=subprocess.DEVNULL, check=True)
-used = resource.getrusage(resource.RUSAGE_CHILDREN)
-print(int((used.ru_utime + used.ru_stime) / 20 * 1e6), used.ru_maxrss)' "$program")
+# Processor time, the least of 40 runs: what others take of the machine is not the program's.
+read -r micros peak < <(python3 -c 'import os, subprocess, sys
+least = peak = 0
+for _ in range(40):
+    child = subprocess.Popen([sys.argv[1], "--version"], stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(child.pid, 0)
+    if status: sys.exit("it ended with %d" % status)
+    micros = int((used.ru_utime + used.ru_stime) * 1e6)
+    least, peak = min(least or micros, micros), max(peak, used.ru_maxrss)
+print(least, peak)' "$program")
 expect "--version in at most 20 ms ($micros us)" [ "${micros:-999999}" -le 20000 ]
 expect "--version in at most 20 MB ($peak KB)" [ "${peak:-999999}" -le 20000 ]
 

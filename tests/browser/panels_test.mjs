@@ -205,15 +205,21 @@ async function copying(checks, session) {
   const { page } = session;
   await checks.check('the picture is copied to the clipboard as it is shown', async () => {
     await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
+    const sizeShown = () => page.evaluate(() => {
+      const canvas = document.querySelector('body > canvas');
+      return `${canvas.width} x ${canvas.height}`;
+    });
+    const size = page.viewportSize();
+    await until('a picture of full size', 20000, async () => await sizeShown() === `${size.width} x ${size.height}`);
     await page.locator('.dock').getByRole('button', { name: 'Save' }).click();
     await page.getByRole('menuitem', { name: 'Copy' }).click();
     await page.getByText('The picture is in the clipboard.').waitFor({ timeout: 5000 });
-    const [copied, shown] = await page.evaluate(async () => {
+    const copied = await page.evaluate(async () => {
       const [item] = await navigator.clipboard.read();
       const picture = await createImageBitmap(await item.getType('image/png'));
-      const canvas = document.querySelector('body > canvas');
-      return [`${picture.width} x ${picture.height}`, `${canvas.width} x ${canvas.height}`];
+      return `${picture.width} x ${picture.height}`;
     });
+    const shown = await sizeShown();
     expect(copied === shown, `${copied} copied of ${shown}`);
   });
 }
