@@ -161,8 +161,8 @@ TileSums renderTile(const EmbreeScene& scene, const FrameRequest& request, const
 
 std::vector<const TileProgramTable*> tablesHere() {
     std::vector<const TileProgramTable*> tables = {&lanes_v2::PROGRAM_TABLE};
-    if (__builtin_cpu_supports("x86-64-v3")) tables.push_back(&lanes_v3::PROGRAM_TABLE);
-    if (__builtin_cpu_supports("x86-64-v4")) tables.push_back(&lanes_v4::PROGRAM_TABLE);
+    if (processorRuns("v3")) tables.push_back(&lanes_v3::PROGRAM_TABLE);
+    if (processorRuns("v4")) tables.push_back(&lanes_v4::PROGRAM_TABLE);
     return tables;
 }
 

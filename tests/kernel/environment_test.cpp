@@ -137,7 +137,7 @@ TEST(EnvironmentLight, AmbientLightMatchesTheIntegral) {
     const auto smooth = [](dvec3 d) { return 1.0 + 0.5 * d.y + 0.3 * d.x * d.z + 0.2 * (3.0 * d.z * d.z - 1.0); };
     const auto half = [](dvec3 d) { return d.y > 0.0 ? 1.0 : 0.0; };
     for (const auto& [sky, bound] : {std::pair<std::function<double(dvec3)>, double>{smooth, 0.01}, {half, 0.04}}) {
-        const auto scene = skyScene(128, 64, [&](uint32_t x, uint32_t y) {
+        const auto scene = skyScene(128, 64, [&sky = sky](uint32_t x, uint32_t y) {
             return vec3(float(sky(dvec3(directionAt((x + 0.5) / 128, (y + 0.5) / 64)))));
         });
         EveryKernel kernel = kernelFor(*scene);

@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <unordered_map>
@@ -115,7 +116,7 @@ private:
     bool cornerIn(std::string_view word, ObjCorner& corner) const {
         std::array<std::string_view, 3> parts;
         for (std::string_view& part : parts) {
-            const size_t slash = std::min(word.find('/'), word.size());
+            const auto slash = static_cast<size_t>(std::ranges::find(word, '/') - word.begin());
             part = word.substr(0, slash);
             word.remove_prefix(std::min(slash + 1, word.size()));
         }

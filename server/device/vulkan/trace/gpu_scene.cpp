@@ -65,7 +65,7 @@ void GpuScene::put(uint32_t index, const char* what, const T* data, size_t count
     VkBufferUsageFlags usage = texels                                      ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT
                                : type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT
                                                                            : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    auto array = std::make_shared<Array>(gpu_.filled(data, bytes, usage));
+    auto array = std::make_shared<Array>(Array{gpu_.filled(data, bytes, usage), {}});
     if (texels) array->view = view(array->buffer, FORMAT);
     arrays_[index] = std::move(array);
 }
