@@ -1,6 +1,7 @@
 #include "server/operations/memory.h"
 
 #include "server/base/machine.h"
+#include "tests/support/sanitizers.h"
 
 #include <gtest/gtest.h>
 
