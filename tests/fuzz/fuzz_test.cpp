@@ -5,7 +5,6 @@
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/mutate.h"
 #include "tests/fuzz/seeds.h"
-#include "tests/support/sanitizers.h"
 
 #include <cstdlib>
 #include <fcntl.h>

@@ -1,7 +1,6 @@
 #include "server/operations/memory.h"
 
 #include "server/base/machine.h"
-#include "tests/support/sanitizers.h"
 
 #include <gtest/gtest.h>
 

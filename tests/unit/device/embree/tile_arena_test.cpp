@@ -2,8 +2,6 @@
 
 #include "server/device/embree/tile_arena.h"
 
-#include "tests/support/sanitizers.h"
-
 #include <gtest/gtest.h>
 
 #include <array>

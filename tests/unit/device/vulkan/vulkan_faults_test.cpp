@@ -10,7 +10,6 @@
 #include "server/device/vulkan/trace/vulkan_device.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/support/direct_renderer.h"
-#include "tests/support/sanitizers.h"
 #include "tests/support/test_scenes.h"
 
 #include <gtest/gtest.h>
