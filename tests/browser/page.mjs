@@ -117,6 +117,7 @@ export class Browser {
   async start(viewport, options = {}) {
     this.profile = mkdtempSync(join(tmpdir(), 'heliograph-browser-'));
     this.context = await chromium.launchPersistentContext(this.profile, {
+      colorScheme: 'dark', // as the pictures of the documentation; the contrast checks look at both
       executablePath: process.env.HELIOGRAPH_CHROMIUM ?? '/usr/bin/chromium',
       headless: true,
       args: BROWSER_ARGUMENTS,

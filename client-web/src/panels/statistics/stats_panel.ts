@@ -174,7 +174,7 @@ export class StatsPanel {
     setText(this.rays_.value, stats === null ? UNKNOWN : compact(stats.mraysPerSecond));
     setText(this.rays_.detail, stats === null || stats.device === '' ? '\u00a0' : stats.device);
     const known = stats !== null && kindOf(stats.device) !== undefined;
-    this.rays_.detail.style.setProperty('color', known ? deviceColor(stats.device) : '');
+    this.rays_.detail.style.setProperty('--device', known ? deviceColor(stats.device) : '');
   }
 
   private refreshSamples(): void {
