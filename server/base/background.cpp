@@ -20,7 +20,7 @@ void inBackground(const std::function<void()>& work) {
     };
     try {
         // A thread of its own, since priority that was given up cannot be taken back without privileges.
-        std::jthread([&] {
+        std::thread([&] {
             const auto self = static_cast<id_t>(gettid());
             setpriority(PRIO_PROCESS, self, getpriority(PRIO_PROCESS, self) + BACKGROUND_NICE);
             quietly();
