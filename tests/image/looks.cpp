@@ -37,8 +37,8 @@ constexpr double LEAST_FILL = 75.0, MOST_FILL = 92.0;  // per cent of the tighte
 constexpr double MOST_WHITE = 4.0;                     // per cent of the object's pixels
 constexpr double LEAST_MEAN = 0.25, MOST_MEAN = 0.6;   // of the object's codes, 0..1
 constexpr float COAT_REFLECTS = 0.092f;  // Fresnel's reflectance at index 1.5, its mean over a hemisphere by the cosine
-constexpr double DARKEST = 0.6;  // of the base colours' own mean, that a model may be; no brighter than that
-constexpr uint8_t WHITE = 253;   // least code of all channels of a white pixel
+constexpr double DARKEST = 0.6;          // of the base colours' own mean, that a model may be; no brighter than that
+constexpr uint8_t WHITE = 253;           // least code of all channels of a white pixel
 
 struct Options {
     uvec2 size{320, 180};
