@@ -56,6 +56,18 @@ void ServiceManager::reloading() const {
 
 void ServiceManager::say(std::string_view state) const {
     if (!listens()) return;
+    std::lock_guard lock(mutex_);
+    unsaid_ = sent(state) ? std::string() : std::string(state);
+}
+
+void ServiceManager::alive() const {
+    if (!listens()) return;
+    std::lock_guard lock(mutex_);
+    if (!unsaid_.empty() && sent(unsaid_)) unsaid_.clear();
+    sent("WATCHDOG=1");
+}
+
+bool ServiceManager::sent(std::string_view state) const {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, path_.data(), path_.size());
@@ -64,10 +76,11 @@ void ServiceManager::say(std::string_view state) const {
     else size++;  // a path ends with its zero
     const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     // Never waits: a manager that does not read must not hold up the server.
-    const bool sent = fd >= 0 && sendto(fd, state.data(), state.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
-                                        reinterpret_cast<const sockaddr*>(&address), size) >= 0;
-    if (!sent) log().warn("the service manager was not told ({}): {}", path_, std::generic_category().message(errno));
+    const bool taken = fd >= 0 && sendto(fd, state.data(), state.size(), MSG_NOSIGNAL | MSG_DONTWAIT,
+                                         reinterpret_cast<const sockaddr*>(&address), size) >= 0;
+    if (!taken) log().warn("the service manager was not told ({}): {}", path_, std::generic_category().message(errno));
     if (fd >= 0) close(fd);
+    return taken;
 }
 
 }  // namespace heliograph

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,15 +28,20 @@ public:
     void stopping() const { say("STOPPING=1\nSTATUS=ending"); }
     /// `ready` says that it is over.
     void reloading() const;
-    void alive() const { say("WATCHDOG=1"); }
+    /// What found the manager's queue full is said again before this.
+    void alive() const;
     void status(const std::string& status) const { say("STATUS=" + line(status)); }
 
 private:
     static std::string line(const std::string& text);
     void say(std::string_view state) const;
+    /// Whether the manager has it.
+    bool sent(std::string_view state) const;
 
     std::string path_;  // begins with @ for a name that is no file
     std::optional<std::chrono::milliseconds> watchdog_;
+    mutable std::mutex mutex_;
+    mutable std::string unsaid_;  // the newest state that found the queue full
 };
 
 }  // namespace heliograph

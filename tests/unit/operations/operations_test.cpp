@@ -131,6 +131,25 @@ TEST(ServiceManagerTest, SpeaksSystemdsProtocol) {
     std::filesystem::remove(path);
 }
 
+/// The queue of such a socket holds ten or so: READY=1 that finds it full is not lost.
+TEST(ServiceManagerTest, WhatFindsTheQueueFullIsSaidWithTheNextBeat) {
+    Manager manager("@heliograph-notify-full-" + std::to_string(getpid()));
+    ServiceManager to(variable);
+    for (int i = 0; i < 1000; i++) to.alive();
+    to.ready("a scene");
+    size_t beats = 0;
+    for (std::string heard = manager.heard(); !heard.empty(); heard = manager.heard()) {
+        ASSERT_EQ(heard, "WATCHDOG=1");
+        beats++;
+    }
+    EXPECT_LT(beats, 1000u) << "the queue was full";
+    to.alive();
+    EXPECT_EQ(manager.heard(), "READY=1\nSTATUS=a scene");
+    EXPECT_EQ(manager.heard(), "WATCHDOG=1");
+    to.alive();
+    EXPECT_EQ(manager.heard(), "WATCHDOG=1") << "and only once";
+}
+
 TEST(ServiceManagerTest, WatchdogIsHalfOfWhatIsAskedOfThisProcess) {
     variables = {{"NOTIFY_SOCKET", "/nowhere"}, {"WATCHDOG_USEC", "3000000"}};
     EXPECT_EQ(ServiceManager(variable).watchdogEvery(), 1500ms);
