@@ -288,7 +288,7 @@ private:
     void keep(Function& function, const Block& head, std::span<const uint32_t> merge) {
         Block& after = blockIn(function, merge[1]);
         if (!after.live) after.keepsLabel = true;
-        if (instructions_[head.end - 1].op == SWITCH || merge.size() < 4) return;
+        if (merge.size() < 4) return;  // no loop's
         Block& end = blockIn(function, merge[2]);
         if (!end.live) end.backTo = head.label;
     }
@@ -305,7 +305,9 @@ private:
             if (op == BRANCH) {
                 goOn(function, block, words[1]);
             } else if (op == BRANCH_CONDITIONAL) {
-                const Known asked = known_.at(words[1]);
+                // A loop keeps its way back, also where it is never gone.
+                const bool loops = isBefore(block, words[2]) || isBefore(block, words[3]);
+                const Known asked = loops ? Known::any() : known_.at(words[1]);
                 if (asked.state == Known::ANY || asked.is(1)) goOn(function, block, words[2]);
                 if (asked.state == Known::ANY || asked.is(0)) goOn(function, block, words[3]);
             } else if (op == SWITCH) {
@@ -315,6 +317,8 @@ private:
             }
         }
     }
+
+    bool isBefore(const Block& block, uint32_t label) const { return blockOf_.at(label) <= blockOf_.at(block.label); }
 
     void goOn(Function& function, Block& block, uint32_t label) {
         if (std::ranges::find(block.next, label) != block.next.end()) return;

@@ -152,6 +152,18 @@ TEST(Specialised, ALoopThatIsLeftKeepsItsBlocks) {
     EXPECT_EQ(functionsOf(specialised(module, off)), 2u);
 }
 
+/// do helper(); while (false): a loop has one way back, or it is none.
+TEST(Specialised, ALoopThatIsGoneThroughOnceKeepsItsWayBack) {
+    Module m;
+    m.begin(MAIN).label(20).put(249, {21});
+    m.label(21).put(246, {24, 23, 0}).put(249, {22});
+    m.label(22).call(HELPER, 30).put(249, {23});
+    m.label(23).put(250, {ASKED, 21, 24}).label(24).back().end();
+    const Words module = m.others().words();
+    const uint32_t on[] = {1}, off[] = {0};
+    for (auto constants : {on, off}) EXPECT_TRUE(isValid(specialised(module, {constants, 1})));
+}
+
 /// What goes round a loop is any value, although its first one is known.
 TEST(Specialised, WhatALoopChangesIsNotKnown) {
     Module m;
