@@ -19,6 +19,8 @@ namespace heliograph {
 
 namespace {
 
+constexpr size_t MOST_UNSAID = 16;
+
 /// Nothing for what is no number.
 std::optional<uint64_t> numberOf(const char* text) {
     if (!text) return std::nullopt;
@@ -54,17 +56,24 @@ void ServiceManager::reloading() const {
     say("RELOADING=1\nMONOTONIC_USEC=" + std::to_string(micros));
 }
 
-void ServiceManager::say(std::string_view state) const {
+void ServiceManager::say(const std::string& state) const {
     if (!listens()) return;
     std::lock_guard lock(mutex_);
-    unsaid_ = sent(state) ? std::string() : std::string(state);
+    sayAgain();
+    if (unsaid_.empty() && sent(state)) return;
+    if (unsaid_.size() == MOST_UNSAID) unsaid_.pop_front();
+    unsaid_.push_back(state);
 }
 
 void ServiceManager::alive() const {
     if (!listens()) return;
     std::lock_guard lock(mutex_);
-    if (!unsaid_.empty() && sent(unsaid_)) unsaid_.clear();
+    sayAgain();
     sent("WATCHDOG=1");
+}
+
+void ServiceManager::sayAgain() const {
+    while (!unsaid_.empty() && sent(unsaid_.front())) unsaid_.pop_front();
 }
 
 bool ServiceManager::sent(std::string_view state) const {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -34,14 +35,15 @@ public:
 
 private:
     static std::string line(const std::string& text);
-    void say(std::string_view state) const;
+    void say(const std::string& state) const;
+    void sayAgain() const;
     /// Whether the manager has it.
     bool sent(std::string_view state) const;
 
     std::string path_;  // begins with @ for a name that is no file
     std::optional<std::chrono::milliseconds> watchdog_;
     mutable std::mutex mutex_;
-    mutable std::string unsaid_;  // the newest state that found the queue full
+    mutable std::deque<std::string> unsaid_;  // states that found the queue full, the oldest first
 };
 
 }  // namespace heliograph

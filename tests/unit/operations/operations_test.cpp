@@ -137,6 +137,7 @@ TEST(ServiceManagerTest, WhatFindsTheQueueFullIsSaidWithTheNextBeat) {
     ServiceManager to(variable);
     for (int i = 0; i < 1000; i++) to.alive();
     to.ready("a scene");
+    to.status("full");
     size_t beats = 0;
     for (std::string heard = manager.heard(); !heard.empty(); heard = manager.heard()) {
         ASSERT_EQ(heard, "WATCHDOG=1");
@@ -145,6 +146,7 @@ TEST(ServiceManagerTest, WhatFindsTheQueueFullIsSaidWithTheNextBeat) {
     EXPECT_LT(beats, 1000u) << "the queue was full";
     to.alive();
     EXPECT_EQ(manager.heard(), "READY=1\nSTATUS=a scene");
+    EXPECT_EQ(manager.heard(), "STATUS=full");
     EXPECT_EQ(manager.heard(), "WATCHDOG=1");
     to.alive();
     EXPECT_EQ(manager.heard(), "WATCHDOG=1") << "and only once";
