@@ -32,16 +32,8 @@ const TileProgramTable& chooseTable() {
 }  // namespace
 
 bool processorRuns(std::string_view isa) {
-#ifdef __clang__  // knows no levels; F16C, LZCNT and MOVBE came with AVX2
-    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-                    __builtin_cpu_supports("fma");
-    const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                    __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-                    __builtin_cpu_supports("avx512vl");
-#else
-    const bool v3 = __builtin_cpu_supports("x86-64-v3"), v4 = __builtin_cpu_supports("x86-64-v4");
-#endif
-    return isa == "v4" ? v4 : isa == "v3" ? v3 : true;
+    if (isa == "v4") return __builtin_cpu_supports("x86-64-v4");
+    return isa != "v3" || __builtin_cpu_supports("x86-64-v3");
 }
 
 const TileProgramTable& tileProgramTable() {
