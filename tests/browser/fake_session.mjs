@@ -30,10 +30,17 @@ export class Session {
 
   /** Waits until the scene and a picture of the newest input are on the screen. */
   async shown(name) {
-    await until(`scene ${name}`, 20_000, async () => {
-      const { scene, lastFrame, lastInputId } = await this.state();
-      return scene?.name === name && scene.state === 'ready' && lastFrame?.inputId === lastInputId;
-    });
+    let seen = '';
+    try {
+      await until(`scene ${name}`, 20_000, async () => {
+        const { scene, lastFrame, lastInputId, connection } = await this.state();
+        const [frame, input] = [lastFrame?.inputId, lastInputId];
+        seen = `${scene?.name} is ${scene?.state}, shown is input ${frame} of ${input}, the connection is ${connection.name}`;
+        return scene?.name === name && scene.state === 'ready' && frame === input;
+      });
+    } catch (error) {
+      throw new Error(`${error.message}: ${seen}`);
+    }
   }
 
   async set(name, value) {

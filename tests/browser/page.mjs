@@ -131,7 +131,11 @@ export class Browser {
         this.problem(`console ${message.type()}: ${message.text()}`);
     });
     this.page.on('pageerror', (error) => this.problem(`exception: ${error.message}`));
-    this.page.on('requestfailed', (request) => this.problem(`request failed: ${request.url()}`));
+    this.page.on('requestfailed', (request) => {
+      // The browser asks for the icon on its own, and a reload ends that.
+      const reloaded = request.failure()?.errorText === 'net::ERR_ABORTED' && request.url().endsWith('/favicon.svg');
+      if (!reloaded) this.problem(`request failed: ${request.url()}`);
+    });
     return this.page;
   }
 
