@@ -4,6 +4,7 @@
 #include "tests/support/direct_renderer.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/random.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/test_scenes.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +54,7 @@ void giveFault(Random& random, SimulatedDevice& d, double frame) {
 }
 
 TEST(ScheduleSimulator, EveryCellIsRenderedAndCountedOnceWhateverHappens) {
-    for (uint32_t seed = 0; seed < 300; seed++) {
+    for (uint32_t seed = 0; seed < test::repeated(300); seed++) {
         Random random(seed);
         std::vector<SimulatedDevice> devices{randomDevice(random, 0)};  // one that is sound
         const uint32_t others = random.below(8);
@@ -74,7 +75,7 @@ TEST(ScheduleSimulator, EveryCellIsRenderedAndCountedOnceWhateverHappens) {
 }
 
 TEST(ScheduleSimulator, NeverSlowerThanTheBestDeviceAlone) {
-    for (uint32_t seed = 0; seed < 200; seed++) {
+    for (uint32_t seed = 0; seed < test::repeated(200); seed++) {
         Random random(1000 + seed);
         std::vector<SimulatedDevice> devices;
         const uint32_t count = 2 + random.below(9);

@@ -3,6 +3,7 @@
 #include "server/pool/wire/tile_bytes.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/random.h"
+#include "tests/support/sanitized.h"
 
 #include <gtest/gtest.h>
 
@@ -157,7 +158,7 @@ TEST(PoolMessages, DamageOnTheWayIsSeen) {
 
 TEST(PoolMessages, GarbageIsRefused) {
     Random random(81);
-    for (int round = 0; round < 2000; round++) {
+    for (uint32_t round = 0; round < test::repeated(2000); round++) {
         std::vector<uint8_t> bytes(random.below(400));
         for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random.word());
         for (const auto& [good, reader] : everyMessage()) EXPECT_THROW(reader(bytes), PoolMessageError);

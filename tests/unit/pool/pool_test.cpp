@@ -9,6 +9,7 @@
 #include "tests/support/direct_renderer.h"
 #include "tests/support/fake_device.h"
 #include "tests/support/random.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/test_scenes.h"
 #include "tests/support/until.h"
 
@@ -222,7 +223,8 @@ TEST_F(Pool, GarbageOnEverySubjectHarmsNobody) {
     const PeerId headId = heardHead(*stranger);
     ASSERT_NE(headId, 0u);
     Random random(3);
-    for (int i = 0; i < 20000; i++) {
+    constexpr uint32_t MESSAGES = test::repeated(20000);
+    for (uint32_t i = 0; i < MESSAGES; i++) {
         ByteWriter writer = beginMessage(static_cast<PoolKind>(random.below(14)));
         for (uint32_t word = random.below(40); word > 0; word--) writer.put(random.word());
         const std::vector<uint8_t> bytes =
@@ -231,7 +233,7 @@ TEST_F(Pool, GarbageOnEverySubjectHarmsNobody) {
              {NODE_BEATS, HEAD_BEATS, nodeSubject(node.id()), headSubject(headId), sceneSubject(headId)})
             stranger->publish(subject, bytes);
     }
-    EXPECT_TRUE(until([&] { return head->counts().unsound > 20000; }));
+    EXPECT_TRUE(until([&] { return head->counts().unsound > MESSAGES; }));
     ASSERT_TRUE(untilUsed(*pooled, "node:1"));
     Film film;
     frame(*pooled, film, 2);

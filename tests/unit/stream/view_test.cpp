@@ -450,7 +450,8 @@ TEST(Views, IdsAreManyBitsAndNoTwoAreAlike) {
     std::set<std::string> ids;
     for (int i = 0; i < 1000; i++) ids.insert(randomSecret());
     EXPECT_EQ(ids.size(), 1000u);
-    for (const std::string& id : ids) EXPECT_TRUE(std::regex_match(id, std::regex("[0-9a-f]{32}"))) << id;
+    const std::regex hexadecimal("[0-9a-f]{32}");
+    for (const std::string& id : ids) EXPECT_TRUE(std::regex_match(id, hexadecimal)) << id;
 }
 
 /// Who comes, goes, watches and drives at random, while frames fly: nothing hangs, ids never go back, and in the end everybody

@@ -7,6 +7,8 @@
 #include "server/scene/load/scene_source.h"
 
 #include "tests/support/bodies.h"
+#include "tests/support/sanitized.h"
+
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -230,7 +232,7 @@ TEST(SpirvExact, TheRecipeRoundsToNearestFromAnErrorOfTwoUlp) {
     std::mt19937 random(7);
     std::uniform_real_distribution<float> mantissa(1.0f, 2.0f);
     std::uniform_int_distribution<int> exponent(-40, 40), error(-2, 2);
-    for (int i = 0; i < 10'000'000; i++) {
+    for (uint32_t i = 0; i < test::repeated(10'000'000); i++) {
         const float a = std::ldexp(mantissa(random), exponent(random)), b = std::ldexp(mantissa(random), exponent(random));
         const float rough = moved(1.0f / b, error(random)), reciprocal = std::fma(std::fma(-b, rough, 1.0f), rough, rough);
         const float quotient = a * reciprocal;
