@@ -93,10 +93,13 @@ class FakeViewer {
     if (!SCENES.some((scene) => scene.name === name.split('#')[0]))
       return this.refuse(`scene.name: "${name}", allowed: ${SCENES.map((s) => s.name).join(', ')}`, 'scene');
     const steps = ['reading', 'textures', 'building the acceleration structure'];
-    steps.forEach((what, i) =>
-      setTimeout(() => this.say({ type: 'scene', name, state: 'loading', what, share: (i + 1) / 4 }), 120 * i),
-    );
-    setTimeout(() => this.opened(name), 400);
+    // One after the other: timers that are all late do not run in the order of their times.
+    const step = (i) => {
+      if (i === steps.length) return this.opened(name);
+      this.say({ type: 'scene', name, state: 'loading', what: steps[i], share: (i + 1) / 4 });
+      setTimeout(() => step(i + 1), 130);
+    };
+    setTimeout(() => step(0), 0);
   }
 
   opened(name) {
