@@ -40,7 +40,8 @@ static_assert(sizeof(Environment) == 224 && offsetof(Environment, backdrop) == 2
               offsetof(Environment, lightTable) == 176);
 static_assert(sizeof(KernelCamera) == 64);
 static_assert(offsetof(FrameConstants, resolution) == 64 && offsetof(FrameConstants, fogCenter) == 96 &&
-              offsetof(FrameConstants, rayReach) == 108 && offsetof(FrameConstants, cameraBefore) == 112);
+              offsetof(FrameConstants, rayReach) == 108 && offsetof(FrameConstants, cameraBefore) == 112 &&
+              offsetof(FrameConstants, sun) == 176);
 
 /// What HAS asks for: GLSL holds effects from bit 32 on in another word, which HAS_LAYER asks.
 template <uint64_t EFFECT>

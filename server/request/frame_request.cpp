@@ -15,6 +15,10 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
     constants.layers = request.effects.high();
     constants.lightCount =
         request.effects.has(EFFECT_MANY_LIGHTS) ? scene.environment.listedLights : static_cast<uint32_t>(scene.lights.size());
+    if (request.effects.has(EFFECT_SUN)) {
+        constants.sun = sunOf(request.settings);
+        constants.lightCount++;
+    }
     constants.aoDistance = request.settings.aoRadius * scene.aoRadius;
     constants.cameraBefore = kernelCamera(request.previousCamera.value_or(request.camera), request.resolution);
     if (request.effects.has(EFFECT_NESTED_MEDIA)) {

@@ -77,7 +77,25 @@ Background backgroundOf(const Scene& scene, const Settings& settings) {
     return studio ? Background::plain : Background::image;
 }
 
+/// What light from a direction calls for where the scene brings none, as far as it called for what lets light through.
+uint64_t shadowsFor(EffectSet called) {
+    const bool through = called.has(EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND);
+    return EFFECT_SHADOWS | (through ? EFFECT_TRANSPARENT_SHADOWS : 0);
+}
+
 }  // namespace
+
+Light sunOf(const Settings& settings) {
+    constexpr float DEGREE = std::numbers::pi_v<float> / 180.0f;
+    const float azimuth = settings.sunAzimuth * DEGREE, elevation = settings.sunElevation * DEGREE;
+    Light sun{};
+    sun.type = LIGHT_DIRECTIONAL;
+    sun.direction =
+        -vec3(std::sin(azimuth) * std::cos(elevation), std::sin(elevation), std::cos(azimuth) * std::cos(elevation));
+    sun.intensity = vec3(settings.sunStrength);
+    sun.radius = std::tan(0.5f * settings.sunSize * DEGREE);
+    return sun;
+}
 
 Environment environmentFor(const Scene& scene, const Settings& settings) {
     Environment environment = chosenFrom(scene, settings);
@@ -104,9 +122,12 @@ EffectSet effectsUnder(const Scene& scene, EffectSet called, const Settings& set
         bits &= ~OF_SURROUNDINGS;
         if (environment.image != NO_INDEX) bits |= EFFECT_ENVIRONMENT_IMAGE;
         if (environment.filtered != NO_INDEX) bits |= EFFECT_FILTERED_ENVIRONMENT;
-        if (environment.lightColumns > 0) bits |= EFFECT_ENVIRONMENT_LIGHT | EFFECT_SHADOWS;
+        if (environment.lightColumns > 0) bits |= EFFECT_ENVIRONMENT_LIGHT | shadowsFor(called);
     }
-    return {bits & allowedEffects(settings).bits};
+    const EffectSet allowed = allowedEffects(settings);
+    if (called.has(EFFECT_SUN) && allowed.has(EFFECT_SUN))
+        bits |= shadowsFor(called) | (settings.sunSize > 0.0f ? EFFECT_SOFT_SHADOWS : 0);
+    return {bits & allowed.bits};
 }
 
 vec3 backdropOf(const Scene& scene, const Settings& settings) {

@@ -16,6 +16,9 @@ Environment environmentFor(const Scene& scene, const Settings& settings);
 /// that need them.
 EffectSet effectsUnder(const Scene& scene, EffectSet called, const Settings& settings);
 
+/// The sun as the settings place it: a directional light with an extent. Its azimuth 0 is +Z, 90 degrees is +X.
+Light sunOf(const Settings& settings);
+
 /// Radiance of what a camera sees behind the scene, the mean of an image.
 vec3 backdropOf(const Scene& scene, const Settings& settings);
 /// The same; nothing where it is not one colour.

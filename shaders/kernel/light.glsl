@@ -28,11 +28,19 @@ float lightFalloff(Light light, float distance) {
     return SELECT(d2 > 0.0f, window / SELECT(d2 > 0.0f, d2, 1.0f), 0.0f);
 }
 
+// The frame's sun stands after the lights of the scene.
+Light lightOf(UNIFORM_UINT index) {
+    if (HAS_LAYER(EFFECT_SUN)) {
+        if (index + 1u == FRAME.lightCount) return FRAME.sun;
+    }
+    return LIGHT(index);
+}
+
 // Not 0 if the light shines from the very point where the camera's rays begin: it reaches whatever they meet first, and no ray
 // has to find that out.
 UNIFORM_UINT shinesFromEye(UNIFORM_UINT index) {
     if (HAS(EFFECT_DEPTH_OF_FIELD) || HAS(EFFECT_MOTION_BLUR) || index >= FRAME.lightCount) return 0u;
-    Light light = LIGHT(index);
+    Light light = lightOf(index);
     if (light.type == LIGHT_HEADLIGHT) return 1u;
     return 0u;
 }
@@ -51,7 +59,7 @@ float spotEdge(Light light, vec3 direction) { return edgeOfSpot(light.direction,
 
 // The light as seen from `point`; one with an extent as the point in its middle.
 LightSample lightAt(UNIFORM_UINT index, vec3 point) {
-    Light light = LIGHT(index);
+    Light light = lightOf(index);
     LightSample result;
     result.irradiance = light.intensity;
     if (light.type == LIGHT_DIRECTIONAL) {

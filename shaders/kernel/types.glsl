@@ -246,6 +246,7 @@ struct FrameConstants {
     vec3 fogCenter;
     float rayReach;   // largest |x| + |y| + |z| of a ray's origin, see isTraceable
     KernelCamera cameraBefore;  // a frame ago; the same as `camera` where nothing moves
+    Light sun;                  // with EFFECT_SUN: the last of lightCount
 #define SETTING_K_INT(name, group, acts, def, low, high, unit, label, effect, price, help) uint name;
 #define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) float name;
 #include "settings_table.glsl"

@@ -7,7 +7,11 @@ import { badControls, overlaps } from './look.mjs';
 import { Checks, expect, pause, unfoldFor, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
-const ROWS = ['surroundings', 'environmentRotation', 'environmentStrength', 'background', 'exposure', 'autoExposure', 'toneCurve'];
+const SUN_ROWS = ['sunAzimuth', 'sunElevation', 'sunSize', 'sunStrength'];
+const ROWS = [
+  ...['surroundings', 'environmentRotation', 'environmentStrength', 'sun', ...SUN_ROWS],
+  ...['background', 'exposure', 'autoExposure', 'toneCurve'],
+];
 
 const setting = async (session, name) => (await session.state()).settings[name];
 const becomes = (session, name, value) =>
@@ -114,6 +118,43 @@ async function numbers(checks, session) {
     await until('as before', 5000, async () => (await setting(session, 'environmentStrength')) > 8);
     await page.getByRole('button', { name: 'Reset the light' }).click();
     await becomes(session, 'environmentStrength', 1);
+  });
+}
+
+async function sun(checks, session) {
+  const { page } = session;
+  const folded = async () =>
+    (await Promise.all(SUN_ROWS.map((name) => session.field(name).isHidden()))).every((hidden) => hidden);
+  await checks.check('the rows of the sun stay folded until it shines, and it is turned by its dial and with the rest', async () => {
+    expect(await folded(), 'rows of a sun that is off');
+    await session.field('sun').getByRole('switch').focus();
+    await page.keyboard.press('Space');
+    await becomes(session, 'sun', true);
+    await until('its rows', 5000, async () => !(await folded()));
+    const hand = session.field('sunAzimuth').getByRole('slider');
+    await hand.focus();
+    await page.keyboard.press('PageUp');
+    await becomes(session, 'sunAzimuth', 50);
+    await hand.scrollIntoViewIfNeeded();
+    const box = await hand.boundingBox();
+    await page.mouse.click(box.x + box.width / 2 + 16, box.y + box.height / 2 + 16); // to the right and to the viewer
+    await becomes(session, 'sunAzimuth', 45);
+    await hand.focus();
+    await page.keyboard.press('ArrowRight');
+    await becomes(session, 'sunAzimuth', 46);
+    await session.field('sunElevation').locator('input[type=range]').focus();
+    await page.keyboard.press('PageDown');
+    await becomes(session, 'sunElevation', 30);
+    const bad = await badControls(page);
+    expect(bad.length === 0, bad.join('\n'));
+    await session.screenshot('light-sun');
+    await page.locator('body > canvas').focus();
+    await page.keyboard.press('BracketRight');
+    await becomes(session, 'environmentRotation', 15);
+    await becomes(session, 'sunAzimuth', 61);
+    await page.getByRole('button', { name: 'Reset the light' }).click();
+    await becomes(session, 'sun', false);
+    await until('the rows to fold', 5000, folded);
   });
 }
 
@@ -235,6 +276,7 @@ export async function lightChecks(checks) {
     await rows(checks, session);
     await choices(checks, session);
     await numbers(checks, session);
+    await sun(checks, session);
     await gesture(checks, session);
     await looks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (light)', async () => {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace heliograph::TEST_FILE {
 namespace {
@@ -110,6 +111,55 @@ TEST(Studio, SurroundingsCanBeChosen) {
     EXPECT_EQ(middle("studio", 1.0f), middle("automatic", 1.0f));
     EXPECT_NEAR(middle("studio", 0.5f).x, 0.5f * middle("studio", 1.0f).x, 1e-4f);
     EXPECT_GT(middle("sky", 1.0f).z, 0.1f);
+}
+
+/// A floor of 20 m with a wall of 4 m along x = 0, seen straight from above.
+std::shared_ptr<const Scene> wallOnFloor() {
+    SceneBuilder builder("wall");
+    const auto quad = [&](vec3 a, vec3 b, vec3 c, vec3 d) {
+        MeshData mesh;
+        mesh.positions = {a, b, c, d};
+        mesh.indices = {{0, 1, 2}, {0, 2, 3}};
+        mesh.materials.assign(2, builder.addMaterial(test::paint(vec3(0.5f)), "matte"));
+        builder.addInstance(builder.addMesh(mesh), mat4(1.0f));
+    };
+    quad(vec3(-10, 0, 10), vec3(10, 0, 10), vec3(10, 0, -10), vec3(-10, 0, -10));
+    quad(vec3(0, 0, 10), vec3(0, 4, 10), vec3(0, 4, -10), vec3(0, 0, -10));
+    Light unlit{};  // takes the headlight's place
+    unlit.type = LIGHT_DIRECTIONAL;
+    unlit.direction = vec3(0, -1, 0);
+    builder.addLight(unlit);
+    builder.setEnvironmentColor(vec3(0.0f));
+    return builder.finish();
+}
+
+// The sun's light on a floor, and the half shadow of a wall's edge: as much of the disc as stands over it.
+TEST(Sun, LightsTheFloorAndThrowsItsHalfShadow) {
+    const auto scene = wallOnFloor();
+    Settings settings;
+    settings.setFromText("sun=on");
+    settings.sunAzimuth = -90.0f;  // from -x: the shadow falls to +x
+    settings.sunElevation = 45.0f;
+    settings.sunSize = 8.0f;
+    settings.sunStrength = 2.0f;
+    settings.shadowSamples = 64;
+    const Camera camera = test::lookAt(vec3(0, 30, 0), vec3(0.0f), 2.0f * glm::degrees(std::atan(10.0f / 30.0f)));
+    const uint32_t size = 101;
+    const test::Picture picture = test::render(scene, camera, settings, 16, uvec2(size, size));
+    const double full = 0.5 / std::numbers::pi * 2.0 * std::sqrt(0.5), radius = 4.0;  // degrees
+    for (uint32_t x = 0; x < size; x++) {
+        const double place = 10.0 * (2.0 * (x + 0.5) / size - 1.0);
+        if (std::abs(place) < 0.5) continue;  // the wall is seen here
+        double visible = 1.0;
+        if (place > 0.0) {
+            // The edge of the wall is seen under this angle; the disc's part above it.
+            const double edge = glm::degrees(std::atan2(4.0, place));
+            const double h = std::clamp((45.0 - edge) / radius, -1.0, 1.0);
+            visible = 0.5 + (std::asin(h) + h * std::sqrt(1.0 - h * h)) / std::numbers::pi;
+        }
+        EXPECT_NEAR(picture.at(x, size / 2).x, full * visible, 0.02 * full) << "at " << place << " m";
+    }
+    EXPECT_EQ(test::render(scene, camera, {}, 1, uvec2(33, 33)).at(5, 16), vec3(0.0f));  // without it, night
 }
 
 TEST(Studio, TurningTheSurroundingsIsTurningTheImage) {

@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { isLightRow, lightRows, lightWithoutUse, shortName, wordOf } from '../../src/panels/light/light_rows.js';
+import { isLightRow, lightRowFolded, lightRows, lightWithoutUse, shortName, wordOf } from '../../src/panels/light/light_rows.js';
 import { angleAt, LOG_SCALE, turnedTo, TURN_SCALE } from '../../src/panels/light/light_scale.js';
 import { LightTurn } from '../../src/panels/light/light_turn.js';
 import type { SettingRow, SettingValues } from '../../src/wire/protocol.js';
@@ -28,6 +28,13 @@ test('lightWithoutUse: nothing to turn or to scale where nothing is, nor to turn
   assert.equal(lightWithoutUse('environmentStrength', around('grey')), null);
   assert.ok(lightWithoutUse('environmentStrength', around('none')) !== null);
   assert.equal(lightWithoutUse('exposure', around('none')), null);
+});
+
+test('lightRowFolded: what belongs to the sun, until it shines', () => {
+  for (const on of [true, false]) {
+    const folded = ['sun', 'sunSize', 'sunAzimuth', 'exposure'].map((name) => lightRowFolded(name, () => on));
+    assert.deepEqual(folded, [false, !on, !on, false]);
+  }
 });
 
 const STRENGTH = row('environmentStrength', 0, 100, 1);
@@ -102,4 +109,19 @@ test('LightTurn: says once why nothing turns', () => {
   const old = turn('studio', []);
   old.made.by(15);
   assert.deepEqual(old.told, ['This server does not turn surroundings.']);
+});
+
+test('LightTurn: the sun goes along while it shines, also where nothing else turns', () => {
+  const sun = row('sunAzimuth', -180, 180, 35);
+  const { made, now } = turn('studio', [TURN, sun]);
+  Object.assign(now, { sun: true, sunAzimuth: 35 });
+  made.by(15);
+  assert.deepEqual([now['environmentRotation'], now['sunAzimuth']], [-175, 50]);
+  now['sun'] = false;
+  made.by(15);
+  assert.deepEqual([now['environmentRotation'], now['sunAzimuth']], [-160, 50]);
+  const even = turn('grey', [TURN, sun]);
+  Object.assign(even.now, { sun: true, sunAzimuth: 170 });
+  even.made.by(15);
+  assert.deepEqual([even.now['environmentRotation'], even.now['sunAzimuth'], even.told.length], [170, -175, 0]);
 });

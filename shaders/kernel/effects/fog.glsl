@@ -101,7 +101,7 @@ ShadowRay rayFromFog(vec3 origin, IN(FogPoint) at, float way, IN(LightSample) li
 // Ray `ray` of fogRays() from the way of a path to a light, with what it brings to the pixel.
 ShadowRay fogRay(UNIFORM_UINT index, UNIFORM_UINT ray, UNIFORM_UINT sampleIndex, uvec2 pixel, uint salt, vec3 origin,
                  vec3 direction, vec3 throughput, float distance) {
-    Light light = LIGHT(index);
+    Light light = lightOf(index);
     uint shift = hashPixel(pixel, hashUint(salt + FOG_SALT + index * 0x9e3779b9u) + FRAME.seed);
     uvec2 point = sobolPoint(sampleIndex * FRAME.fogSamples + ray);
     float u = unitFloat(point.x ^ shift);

@@ -22,7 +22,7 @@ UNIFORM_UINT allLights() { return FRAME.lightCount + sampledLights(); }
 // 1 if the light has an extent, else 0.
 UNIFORM_UINT hasExtent(UNIFORM_UINT index) {
     if (index >= FRAME.lightCount) return 0u;
-    Light light = LIGHT(index);
+    Light light = lightOf(index);
     if (light.radius > 0.0f || light.type == LIGHT_QUAD) return 1u;
     return 0u;
 }
@@ -150,7 +150,7 @@ LightSample ballLightAt(Light light, float u, float v, vec3 point) {
 
 // One of the light's points as seen from `point`, with the irradiance that the whole light would give if all were like it.
 LightSample softLightAt(UNIFORM_UINT index, uvec2 number, uint shift, vec3 point) {
-    Light light = LIGHT(index);
+    Light light = lightOf(index);
     float u = unitFloat(number.x ^ shift);
     float v = unitFloat(number.y ^ hashUint(shift));
     LightSample result;

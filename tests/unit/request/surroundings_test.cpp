@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/request/effect_rules.h"
+#include "server/request/frame_request.h"
 #include "server/scene/build/scene_builder.h"
 
 #include <gtest/gtest.h>
@@ -83,6 +84,56 @@ TEST(Surroundings, TurnAndStrengthAreAddedToTheImages) {
     // A quarter turn brings what shone along x to z, and the other way about.
     EXPECT_NEAR(turned.ambient[3].x, 2.5f * plain.ambient[2].x, 1e-5f);
     EXPECT_NEAR(turned.ambient[2].x, -2.5f * plain.ambient[3].x, 1e-5f);
+}
+
+TEST(Surroundings, TheSunStandsAfterTheLightsOfTheScene) {
+    const auto scene = fileScene(true);
+    const auto constants = [&](const std::string& setting) {
+        FrameRequest request;
+        request.settings = with(setting);
+        request.effects = effectsUnder(*scene, effectsOf(*scene), request.settings);
+        request.resolution = uvec2(8, 8);
+        return frameConstants(*scene, request);
+    };
+    EXPECT_EQ(constants("sun=off").lightCount, 1u);
+    EXPECT_EQ(constants("sun=on").lightCount, 2u);
+    EXPECT_EQ(constants("sun=on").sun.intensity, vec3(3.0f));
+    Settings dark = with("sun=on");
+    dark.sunStrength = 0.0f;
+    EXPECT_FALSE(shows(*scene, dark, EFFECT_SUN));
+}
+
+TEST(Surroundings, TheSunComesFromWhereItIsPut) {
+    Settings settings;
+    const auto from = [&](float azimuth, float elevation) {
+        settings.sunAzimuth = azimuth;
+        settings.sunElevation = elevation;
+        return -sunOf(settings).direction;
+    };
+    const auto near = [](vec3 a, vec3 b) { return glm::length(a - b) < 1e-6f; };
+    EXPECT_TRUE(near(from(0, 0), vec3(0, 0, 1)));
+    EXPECT_TRUE(near(from(90, 0), vec3(1, 0, 0)));
+    EXPECT_TRUE(near(from(-180, 0), vec3(0, 0, -1)));
+    EXPECT_TRUE(near(from(12, 90), vec3(0, 1, 0)));
+    EXPECT_TRUE(near(from(90, 30), vec3(std::sqrt(0.75f), 0.5f, 0)));
+    EXPECT_FLOAT_EQ(sunOf(settings).radius, std::tan(glm::radians(0.265f)));
+}
+
+// A file without light has no shadows of its own; the sun's need them, also through what lets light pass.
+TEST(Surroundings, TheSunCallsForShadowsWhereTheSceneDoesNot) {
+    const auto studio = fileScene(false);
+    EXPECT_FALSE(shows(*studio, {}, EFFECT_SHADOWS));
+    EXPECT_TRUE(shows(*studio, with("sun=on"), EFFECT_SHADOWS));
+    EXPECT_TRUE(shows(*studio, with("sun=on"), EFFECT_SOFT_SHADOWS));
+    EXPECT_FALSE(shows(*studio, with("sun=on"), EFFECT_TRANSPARENT_SHADOWS));
+    Settings sharp = with("sun=on");
+    sharp.sunSize = 0.0f;
+    EXPECT_FALSE(shows(*studio, sharp, EFFECT_SOFT_SHADOWS));
+    EXPECT_TRUE(effectsUnder(*studio, {effectsOf(*studio).bits | EFFECT_REFRACTIONS}, sharp).has(EFFECT_TRANSPARENT_SHADOWS));
+    Settings without = with("sun=on");
+    without.shadows = false;
+    EXPECT_FALSE(shows(*studio, without, EFFECT_SHADOWS));
+    EXPECT_TRUE(shows(*studio, without, EFFECT_SUN));
 }
 
 TEST(Surroundings, WhatASceneWasOpenedWithoutIsRefused) {

@@ -23,8 +23,15 @@ function face(): { readonly svg: SVGSVGElement; readonly hand: SVGElement } {
   return { svg, hand };
 }
 
-export const dialControl: ControlMaker = (row, id, hooks) => {
+/**
+ * `hint`: how else the angle is turned. `fromBelow`: nought is at the lowest point and the angle grows to the right, as in a
+ * plan whose lower edge is at the viewer; else it is at the top and grows clockwise.
+ */
+export const dialControl =
+  (hint: string, fromBelow = false): ControlMaker =>
+  (row, id, hooks) => {
   const number = numberControl(row, id, hooks, TURN_SCALE);
+  const placed = (angle: number): number => (fromBelow ? 180 - angle : angle); // its own inverse
   const { svg, hand } = face();
   const limits = { 'aria-valuemin': row.low, 'aria-valuemax': row.high };
   const dial = el('div', { class: 'dial', role: 'slider', tabindex: 0, 'aria-label': row.label, ...limits }, svg);
@@ -32,7 +39,7 @@ export const dialControl: ControlMaker = (row, id, hooks) => {
     if (!dial.hasPointerCapture(event.pointerId)) return;
     const box = dial.getBoundingClientRect();
     const angle = angleAt(event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2);
-    if (angle !== null && turnedTo(row, angle) !== number.value()) hooks.changed(turnedTo(row, angle));
+    if (angle !== null && turnedTo(row, placed(angle)) !== number.value()) hooks.changed(turnedTo(row, placed(angle)));
   };
   dial.addEventListener('pointerdown', (event) => {
     if (event.button !== 0 || dial.getAttribute('aria-disabled') === 'true') return;
@@ -44,15 +51,14 @@ export const dialControl: ControlMaker = (row, id, hooks) => {
     if (dial.getAttribute('aria-disabled') !== 'true') number.keys(event);
   });
   const typed = el('div', { class: 'dial-number' }, number.input, el('span', { class: 'unit' }, unitWord(row.unit)));
-  const hint = el('span', { class: 'muted dial-hint' }, 'Or Alt and drag on the picture, or the keys [ and ].');
   return {
     control: number.input,
     inline: [],
-    below: [el('div', { class: 'dial-row' }, dial, el('div', { class: 'dial-side' }, typed, hint))],
+    below: [el('div', { class: 'dial-row' }, dial, el('div', { class: 'dial-side' }, typed, el('span', { class: 'muted dial-hint' }, hint)))],
     show: (value) => {
       if (typeof value !== 'number') return;
       number.show(value);
-      hand.setAttribute('transform', `rotate(${value} 32 32)`);
+      hand.setAttribute('transform', `rotate(${placed(value)} 32 32)`);
       dial.setAttribute('aria-valuenow', settingNumber(value));
       dial.setAttribute('aria-valuetext', `${settingNumber(value)} ${unitWord(row.unit)}`);
     },

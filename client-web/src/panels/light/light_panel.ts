@@ -8,15 +8,18 @@ import type { Panel } from '../panel.js';
 import { SettingField, sliderControl, type ControlMaker } from '../settings/settings_field.js';
 import { POWER_SCALE } from '../settings/slider_scale.js';
 import { dialControl } from './dial.js';
-import { lightRows, lightWithoutUse } from './light_rows.js';
-import { LOG_SCALE } from './light_scale.js';
+import { lightRowFolded, lightRows, lightWithoutUse } from './light_rows.js';
+import { LOG_SCALE, TURN_SCALE } from './light_scale.js';
 import { tilesControl } from './tiles.js';
 import './light_panel.css';
 
 /** Of numbers; choices are tiles. */
 const CONTROLS: Readonly<Record<string, ControlMaker>> = {
-  environmentRotation: dialControl,
+  environmentRotation: dialControl('Or Alt and drag on the picture, or the keys [ and ].'),
   environmentStrength: sliderControl(LOG_SCALE),
+  sunAzimuth: dialControl('From above, the viewer below. Turns with the surroundings, too.', true),
+  sunElevation: sliderControl(TURN_SCALE),
+  sunStrength: sliderControl(LOG_SCALE),
 };
 
 export class LightPanel {
@@ -81,6 +84,7 @@ export class LightPanel {
       field.setDisabled(!this.viewer_.watching.maySet([row.name]));
       field.setNote(reason);
       field.element.classList.toggle('idle', reason !== null);
+      field.element.hidden = lightRowFolded(row.name, (name) => model.value(name));
     }
     this.reset_.disabled = differing === 0 || this.viewer_.watching.active;
     setText(this.panel_.summary, differing === 0 ? '' : `${differing} changed`);

@@ -8,6 +8,11 @@ const LIGHT_ROWS: readonly string[] = [
   'surroundings',
   'environmentRotation',
   'environmentStrength',
+  'sun',
+  'sunAzimuth',
+  'sunElevation',
+  'sunSize',
+  'sunStrength',
   'background',
   'exposure',
   'autoExposure',
@@ -32,6 +37,12 @@ export const shortName = (choice: string): string => (choice === 'automatic' ? '
 
 /** What a choice means, in a word or two; '' for one that this page does not know. */
 export const wordOf = (setting: string, choice: string): string => WORDS[setting]?.[choice] ?? '';
+
+const OF_SUN: readonly string[] = ['sunAzimuth', 'sunElevation', 'sunSize', 'sunStrength'];
+
+/** Rows of what is off stay folded. */
+export const lightRowFolded = (name: string, value: (name: string) => SettingValue | undefined): boolean =>
+  OF_SUN.includes(name) && value('sun') !== true;
 
 /** Why the setting changes nothing with the present values; null when it does. */
 export function lightWithoutUse(

@@ -6,6 +6,7 @@ import { lightWithoutUse } from './light_rows.js';
 import { turnedTo } from './light_scale.js';
 
 const ROW = 'environmentRotation';
+const SUN_ROW = 'sunAzimuth';
 const PER_HEIGHT = 180; // degrees for a drag over the whole height
 export const KEY_TURN = 15; // degrees
 
@@ -31,15 +32,24 @@ export class LightTurn {
     if (whole !== 0) this.by(whole);
   }
 
+  /** The sun goes along, so that what is around and what shines stay as they are to each other. */
   by(degrees: number): void {
-    const row = this.hooks_.rows().find(({ name }) => name === ROW);
-    const value = this.hooks_.value(ROW);
-    const reason =
-      row === undefined ? 'This server does not turn surroundings.' : lightWithoutUse(ROW, (name) => this.hooks_.value(name));
-    if (reason !== null) this.tell(reason);
-    if (reason !== null || row === undefined || typeof value !== 'number') return;
+    const values = { ...this.turned(ROW, degrees), ...(this.hooks_.value('sun') === true ? this.turned(SUN_ROW, degrees) : {}) };
+    if (Object.keys(values).length === 0) return this.tell(this.reason() ?? 'This server does not turn surroundings.');
     this.told_ = '';
-    this.hooks_.set({ [ROW]: turnedTo(row, value + degrees) });
+    this.hooks_.set(values);
+  }
+
+  private reason(): string | null {
+    return lightWithoutUse(ROW, (name) => this.hooks_.value(name));
+  }
+
+  /** Nothing where the setting lacks or turning it changes nothing. */
+  private turned(name: string, degrees: number): SettingValues {
+    const row = this.hooks_.rows().find((one) => one.name === name);
+    const value = this.hooks_.value(name);
+    if (row === undefined || typeof value !== 'number' || (name === ROW && this.reason() !== null)) return {};
+    return { [name]: turnedTo(row, value + degrees) };
   }
 
   /** Once for a drag that goes on. */

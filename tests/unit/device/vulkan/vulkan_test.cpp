@@ -137,7 +137,8 @@ TEST_F(Vulkan, PictureIsEmbreesBitForBit) {
 TEST_F(Vulkan, AllEffectsTogetherAreEmbreesBitForBit) {
     auto scene = test::materialZoo();
     Settings settings = occludedSettings();
-    settings.depthOfField = settings.motionBlur = settings.fog = settings.glossyReflections = settings.indirectLight = true;
+    settings.depthOfField = settings.motionBlur = settings.fog = settings.glossyReflections = settings.indirectLight =
+        settings.sun = true;
     settings.maxReflections = 4;
     settings.fogSamples = settings.shadowSamples = 2;
     auto gpu = makeVulkanDevice("", checked());
@@ -148,7 +149,7 @@ TEST_F(Vulkan, AllEffectsTogetherAreEmbreesBitForBit) {
     request.camera = checkedCamera(cameraFrom(test::zooCamera()));
     request.previousCamera = request.camera;
     request.previousCamera->position.x -= 0.1f;
-    EXPECT_EQ(std::popcount(request.effects.bits >> 16), 9) << "those six, lamps, rough glass and images of occlusion";
+    EXPECT_EQ(std::popcount(request.effects.bits >> 16), 10) << "those seven, lamps, rough glass and images of occlusion";
     // A pixel in a thousand may hang on which of two triangles a ray meets at their common edge.
     EXPECT_LE(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 3u);
 }
