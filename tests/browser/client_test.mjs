@@ -311,7 +311,7 @@ async function reconnectChecks() {
       await page
         .locator('.banner')
         .getByText(/Connection lost/)
-        .waitFor({ timeout: 5000 });
+        .waitFor({ timeout: 20_000 });
       await screenshot('disconnected');
       await server.start();
       await until('the connection', 20_000, async () => (await state()).connected);

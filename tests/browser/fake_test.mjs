@@ -36,7 +36,7 @@ async function deviceStatistics(checks, session) {
     'statistics: share of each device, why one is parked, and the scheduler, in hybrid only',
     async () => {
       await session.set('device', 'hybrid');
-      await panel.getByText('it would gain 1.2 % of the frame, less than 3 %').waitFor({ timeout: 5000 });
+      await panel.getByText('it would gain 1.2 % of the frame, less than 3 %').waitFor({ timeout: 20_000 });
       const rows = await panel.locator('.stats-section', { hasText: 'Tiles by device' }).locator('.bar-row').all();
       const seen = await Promise.all(
         rows.map(async (row) => {
@@ -156,10 +156,10 @@ async function partitionChecks(checks, session) {
   });
   await checks.check('it follows the window, and P hides it', async () => {
     await page.setViewportSize({ width: 1000, height: 700 });
-    await pause(600);
-    await shownPartition(session);
-    const found = await tints(page);
-    expect(Math.abs(found.vulkan - Math.PI * 0.32 ** 2) < 0.04, `vulkan covers ${found.vulkan}`);
+    await until('the tints of the new size', 5000, async () => {
+      await shownPartition(session);
+      return Math.abs((await tints(page)).vulkan - Math.PI * 0.32 ** 2) < 0.04;
+    });
     const covered = await overlaps(page);
     expect(covered.length === 0, covered.join('\n'));
     await session.screenshot('partition-small');
@@ -212,25 +212,25 @@ async function effectChecks(checks, session) {
     await session.ask('/received');
     await session.ask('/control?costs=hold');
     await button.click();
-    await panel.getByText('Measuring … 50 %').waitFor({ timeout: 5000 });
+    await panel.getByText('Measuring … 50 %').waitFor({ timeout: 20_000 });
     expect((await session.received('effectCosts')).length === 1, 'the server was not asked once');
     expect(await button.isDisabled(), 'the button can be pressed again');
     await session.ask('/control?costs=ready');
-    await panel.getByText('Measured on embree at 320 × 180 pixels').waitFor({ timeout: 5000 });
+    await panel.getByText('Measured on embree at 320 × 180 pixels').waitFor({ timeout: 20_000 });
     const figures = await effect('shadows').locator('.effect-figures').textContent();
     expect(figures === '2.31 M rays · costs 4 to 7 ms', figures);
     await panel.locator('.panel-body').evaluate((body) => (body.scrollTop = 0));
     await session.screenshot('effects');
     await session.ask('/control?costs=error');
     await button.click();
-    await panel.getByText('effectCosts: the device is busy, try again').waitFor({ timeout: 5000 });
+    await panel.getByText('effectCosts: the device is busy, try again').waitFor({ timeout: 20_000 });
     expect(await button.isEnabled(), 'the button stays disabled');
     expect((await page.locator('.toast.error').count()) === 0, 'the refusal is told twice');
     await session.ask('/control?costs=ready');
   });
   await checks.check('effects: another scene has its own costs', async () => {
     await panel.locator('.measure').click();
-    await panel.getByText('Measured on embree').waitFor({ timeout: 5000 });
+    await panel.getByText('Measured on embree').waitFor({ timeout: 20_000 });
     await page.locator('.picker').click();
     await page.getByRole('menuitemradio', { name: /^Cornell/ }).click();
     await session.shown('cornell');
@@ -295,7 +295,7 @@ async function phoneChecks(checks) {
         return pick !== undefined && Math.abs(pick.x - 0.5) < 2e-3 && Math.abs(pick.y - 0.25) < 2e-3;
       });
       await fire('pointerup', 195);
-      await session.page.locator('.pick-card', { hasText: 'chair' }).waitFor({ timeout: 5000 });
+      await session.page.locator('.pick-card', { hasText: 'chair' }).waitFor({ timeout: 20_000 });
       await session.screenshot('phone-pick');
       const bad = await badControls(session.page);
       expect(bad.length === 0, bad.join('\n'));

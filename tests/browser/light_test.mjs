@@ -71,7 +71,7 @@ async function choices(checks, session) {
     const note = session.field('environmentRotation').locator('.field-note');
     expect(await note.isHidden(), 'a note under the sky');
     await session.field('surroundings').locator('.tile', { hasText: 'none' }).click();
-    await note.waitFor({ timeout: 5000 });
+    await note.waitFor({ timeout: 20_000 });
     await session.field('surroundings').locator('.reset').click();
     await becomes(session, 'surroundings', 'automatic');
   });
@@ -196,7 +196,7 @@ async function gesture(checks, session) {
     await session.field('surroundings').locator('.tile', { hasText: 'grey' }).click();
     await becomes(session, 'surroundings', 'grey');
     await drag('Alt');
-    await page.locator('.toast', { hasText: 'Even light is the same from all sides.' }).waitFor({ timeout: 5000 });
+    await page.locator('.toast', { hasText: 'Even light is the same from all sides.' }).waitFor({ timeout: 20_000 });
     expect((await page.locator('.toast', { hasText: 'Even light' }).count()) === 1, 'said more than once');
     expect((await setting(session, 'environmentRotation')) === 5, 'it turned');
     await page.getByRole('button', { name: 'Reset the light' }).click();

@@ -90,7 +90,7 @@ async function links(checks, session) {
     await checks.check('a copied link shows the same picture in another browser', async () => {
       await session.browser.context.grantPermissions(['clipboard-read', 'clipboard-write']);
       await page.getByRole('button', { name: 'Copy link' }).click();
-      await page.locator('.toast', { hasText: 'in the clipboard' }).waitFor({ timeout: 5000 });
+      await page.locator('.toast', { hasText: 'in the clipboard' }).waitFor({ timeout: 20_000 });
       const link = await page.evaluate(() => navigator.clipboard.readText());
       expect(link.includes('scene=courtyard') && link.includes('set.exposure=0.75'), link);
       const there = await other.start(DESKTOP);
@@ -113,7 +113,7 @@ async function links(checks, session) {
     await page.goto('about:blank');
     await page.goto(`${address}#scene=gone&at=1,2,3&look=0,0,-1&up=0,1,0&fov=40`);
     await session.shown('cornell');
-    await page.locator('.toast', { hasText: 'gone' }).waitFor({ timeout: 5000 });
+    await page.locator('.toast', { hasText: 'gone' }).waitFor({ timeout: 20_000 });
     expect(far(await position(session), [1, 2, 3]) > 1, 'the camera of another scene');
   });
   await checks.check('nonsense in the address shows the server\u2019s own view', async () => {
@@ -182,7 +182,7 @@ export async function linkChecks(checks) {
     if (!(await checks.check('the page is ready for links', () => session.start(DESKTOP)))) return;
     await checks.check('the first time a hint says how to move, until somebody does', async () => {
       const hint = session.page.locator('.toast', { hasText: 'Drag to look around' });
-      await hint.waitFor({ timeout: 5000 });
+      await hint.waitFor({ timeout: 20_000 });
       await session.page.keyboard.press('Shift');
       expect((await hint.count()) === 0, 'the hint stays');
     });

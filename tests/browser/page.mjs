@@ -27,13 +27,15 @@ const BROWSER_ARGUMENTS = [
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
-/** Asks `check` every 50 ms until it is true; throws after `ms` with what was waited for. */
+const PATIENCE = 4; // a machine that builds something else meanwhile is so many times slower
+
+/** Asks `check` every 50 ms until it is true; throws with what was waited for, where `ms` are not enough on any machine. */
 export async function until(what, ms, check) {
-  const end = Date.now() + ms;
+  const end = Date.now() + PATIENCE * ms;
   for (;;) {
     const value = await check();
     if (value) return value;
-    if (Date.now() > end) throw new Error(`waited ${ms} ms for ${what}`);
+    if (Date.now() > end) throw new Error(`waited ${PATIENCE * ms} ms for ${what}`);
     await pause(50);
   }
 }

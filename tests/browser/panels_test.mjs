@@ -215,7 +215,7 @@ async function copying(checks, session) {
       before = await sizeShown();
       await page.locator('.dock').getByRole('button', { name: 'Save' }).click();
       await page.getByRole('menuitem', { name: 'Copy' }).click();
-      await page.getByText('The picture is in the clipboard.').first().waitFor({ timeout: 5000 });
+      await page.getByText('The picture is in the clipboard.').first().waitFor({ timeout: 20_000 });
       copied = await page.evaluate(async () => {
         const [item] = await navigator.clipboard.read();
         const picture = await createImageBitmap(await item.getType('image/png'));

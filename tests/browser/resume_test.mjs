@@ -173,7 +173,7 @@ async function handsOver(checks, driver, watcher, address) {
     await driver.press('Hand over');
     await until('the hand-over', 10_000, async () => !(await watcher.state()).watching && (await driver.state()).watching);
     await watcher.toast('This view was handed to you. You drive it now.');
-    await driver.banner(WATCHING).waitFor({ timeout: 5000 });
+    await driver.banner(WATCHING).waitFor({ timeout: 20_000 });
     const near = (a, b) => JSON.parse(a).forward.every((v, i) => Math.abs(v - JSON.parse(b).forward[i]) < 1e-5);
     expect(near(await camera(watcher), place), 'it does not look where the driver looked');
     const before = (await driver.state()).framesPresented;

@@ -104,7 +104,7 @@ async function mouse(checks, session) {
       HTMLCanvasElement.prototype.requestPointerLock = () => void document.dispatchEvent(new Event('pointerlockerror'));
     });
     await page.keyboard.press('KeyL');
-    await page.locator('.toast', { hasText: 'does not give the mouse' }).waitFor({ timeout: 5000 });
+    await page.locator('.toast', { hasText: 'does not give the mouse' }).waitFor({ timeout: 20_000 });
   });
 }
 

@@ -70,7 +70,7 @@ async function exactChecks(checks, page) {
     const { different, pixels, same } = await compared(page, await savedPicture(page));
     expect(same && pixels > 100_000, `${pixels} pixels`);
     expect(different === 0, `${different} of ${pixels} pixels differ`);
-    await page.locator('.limit').getByText('Exact').waitFor({ timeout: 5000 });
+    await page.locator('.limit').getByText('Exact').waitFor({ timeout: 20_000 });
     await page.screenshot({ path: join(outFolder, 'badge-exact.png') });
   });
   await checks.check('without that setting the last picture is a JPEG, and differs', async () => {

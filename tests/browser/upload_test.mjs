@@ -157,7 +157,7 @@ async function slowly(checks, browser, page, folder) {
     await until('the time left', 20_000, async () => /^Uploading slow.obj: \d[\d.]* %, \d+ kB of 600 kB, \d+ s left$/.test(await text()));
     await page.screenshot({ path: join(outFolder, 'upload-slow.png') });
     await card.getByRole('button', { name: 'Stop the upload' }).click();
-    await page.locator('.toast', { hasText: 'The upload was stopped' }).waitFor({ timeout: 5000 });
+    await page.locator('.toast', { hasText: 'The upload was stopped' }).waitFor({ timeout: 20_000 });
     expect(await card.isHidden(), 'the card stays');
     await until('nothing of it', 10_000, () => readdirSync(folder).sort().join() === before);
     await line({});

@@ -26,7 +26,7 @@ async function saved(checks, session) {
     await setExposure(session, 1);
     const there = await position(session);
     await chooseView(page, /^Save this view/);
-    await page.locator('.toast', { hasText: 'Saved as Cornell 1' }).waitFor({ timeout: 5000 });
+    await page.locator('.toast', { hasText: 'Saved as Cornell 1' }).waitFor({ timeout: 20_000 });
     await setExposure(session, 0);
     await page.locator('body > canvas').focus();
     await page.keyboard.down('w');

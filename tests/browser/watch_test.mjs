@@ -19,7 +19,7 @@ class Tab {
   }
   state = () => this.page.evaluate(() => window.heliograph.state);
   banner = () => this.page.locator('.banner:visible').getByText(BANNER);
-  toast = (text) => this.page.locator('.toast').getByText(text).waitFor({ timeout: 5000 });
+  toast = (text) => this.page.locator('.toast').getByText(text).waitFor({ timeout: 20_000 });
 
   /** Waits until the last picture of the scene, which shows the newest input, is on the screen. */
   settled = () =>
@@ -69,7 +69,7 @@ async function watchesFrames(checks, address, driver, watcher) {
     await watcher.page.goto(link);
     await watcher.settled();
     expect((await watcher.state()).watching && !(await driver.state()).watching, 'who watches?');
-    await watcher.banner().waitFor({ timeout: 5000 });
+    await watcher.banner().waitFor({ timeout: 20_000 });
     expect((await driver.banner().count()) === 0, 'the driver is told that it watches');
     const [a, b] = [(await driver.state()).lastFrame, (await watcher.state()).lastFrame];
     expect(a.width === b.width && a.height === b.height, `${b.width} x ${b.height} instead of ${a.width} x ${a.height}`);

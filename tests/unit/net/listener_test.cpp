@@ -286,7 +286,7 @@ TEST_F(ListenerTest, AServerAnswersEverywhere) {
 
 TEST_F(ListenerTest, AViewerOverAUnixSocketThatTakesNothingIsCut) {
     SocketOptions quick = options({address()});
-    quick.times.write = 400ms;
+    quick.times.write = 1500ms;
     Server s(quick);
     WebClient slow(path()), silent(path());
     ASSERT_EQ(slow.upgrade(OURS).status, 101);
