@@ -40,6 +40,18 @@ async function rows(checks, session) {
   });
 }
 
+async function searchOfFolded(checks, session) {
+  const { page } = session;
+  await checks.check('a search for what belongs to the sun leads to its switch while it is off', async () => {
+    const panel = page.locator('#settings-panel');
+    await panel.getByRole('searchbox').fill('sun height');
+    await panel.getByRole('button', { name: 'Sun height: in the panel Light' }).click();
+    const at = () => page.evaluate(() => document.activeElement.closest('[data-setting]')?.dataset.setting);
+    expect((await at()) === 'sun', `the focus is at ${await at()}`);
+    await panel.getByRole('searchbox').fill('');
+  });
+}
+
 async function choices(checks, session) {
   const { page } = session;
   await checks.check('surroundings are chosen by a click on their picture, and the keys fly again', async () => {
@@ -274,6 +286,7 @@ export async function lightChecks(checks) {
   try {
     if (!(await checks.check('the page is ready for light', () => session.start(DESKTOP)))) return;
     await rows(checks, session);
+    await searchOfFolded(checks, session);
     await choices(checks, session);
     await numbers(checks, session);
     await sun(checks, session);

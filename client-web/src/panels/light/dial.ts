@@ -30,37 +30,38 @@ function face(): { readonly svg: SVGSVGElement; readonly hand: SVGElement } {
 export const dialControl =
   (hint: string, fromBelow = false): ControlMaker =>
   (row, id, hooks) => {
-  const number = numberControl(row, id, hooks, TURN_SCALE);
-  const placed = (angle: number): number => (fromBelow ? 180 - angle : angle); // its own inverse
-  const { svg, hand } = face();
-  const limits = { 'aria-valuemin': row.low, 'aria-valuemax': row.high };
-  const dial = el('div', { class: 'dial', role: 'slider', tabindex: 0, 'aria-label': row.label, ...limits }, svg);
-  const drag = (event: PointerEvent): void => {
-    if (!dial.hasPointerCapture(event.pointerId)) return;
-    const box = dial.getBoundingClientRect();
-    const angle = angleAt(event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2);
-    if (angle !== null && turnedTo(row, placed(angle)) !== number.value()) hooks.changed(turnedTo(row, placed(angle)));
+    const number = numberControl(row, id, hooks, TURN_SCALE);
+    const placed = (angle: number): number => (fromBelow ? 180 - angle : angle); // its own inverse
+    const { svg, hand } = face();
+    const limits = { 'aria-valuemin': row.low, 'aria-valuemax': row.high };
+    const dial = el('div', { class: 'dial', role: 'slider', tabindex: 0, 'aria-label': row.label, ...limits }, svg);
+    const drag = (event: PointerEvent): void => {
+      if (!dial.hasPointerCapture(event.pointerId)) return;
+      const box = dial.getBoundingClientRect();
+      const angle = angleAt(event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2);
+      if (angle !== null && turnedTo(row, placed(angle)) !== number.value()) hooks.changed(turnedTo(row, placed(angle)));
+    };
+    dial.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0 || dial.getAttribute('aria-disabled') === 'true') return;
+      dial.setPointerCapture(event.pointerId);
+      drag(event);
+    });
+    dial.addEventListener('pointermove', drag);
+    dial.addEventListener('keydown', (event) => {
+      if (dial.getAttribute('aria-disabled') !== 'true') number.keys(event);
+    });
+    const typed = el('div', { class: 'dial-number' }, number.input, el('span', { class: 'unit' }, unitWord(row.unit)));
+    const said = el('span', { class: 'muted dial-hint' }, hint);
+    return {
+      control: number.input,
+      inline: [],
+      below: [el('div', { class: 'dial-row' }, dial, el('div', { class: 'dial-side' }, typed, said))],
+      show: (value) => {
+        if (typeof value !== 'number') return;
+        number.show(value);
+        hand.setAttribute('transform', `rotate(${placed(value)} 32 32)`);
+        dial.setAttribute('aria-valuenow', settingNumber(value));
+        dial.setAttribute('aria-valuetext', `${settingNumber(value)} ${unitWord(row.unit)}`);
+      },
+    };
   };
-  dial.addEventListener('pointerdown', (event) => {
-    if (event.button !== 0 || dial.getAttribute('aria-disabled') === 'true') return;
-    dial.setPointerCapture(event.pointerId);
-    drag(event);
-  });
-  dial.addEventListener('pointermove', drag);
-  dial.addEventListener('keydown', (event) => {
-    if (dial.getAttribute('aria-disabled') !== 'true') number.keys(event);
-  });
-  const typed = el('div', { class: 'dial-number' }, number.input, el('span', { class: 'unit' }, unitWord(row.unit)));
-  return {
-    control: number.input,
-    inline: [],
-    below: [el('div', { class: 'dial-row' }, dial, el('div', { class: 'dial-side' }, typed, el('span', { class: 'muted dial-hint' }, hint)))],
-    show: (value) => {
-      if (typeof value !== 'number') return;
-      number.show(value);
-      hand.setAttribute('transform', `rotate(${placed(value)} 32 32)`);
-      dial.setAttribute('aria-valuenow', settingNumber(value));
-      dial.setAttribute('aria-valuetext', `${settingNumber(value)} ${unitWord(row.unit)}`);
-    },
-  };
-};

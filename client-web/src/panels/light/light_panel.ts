@@ -38,10 +38,11 @@ export class LightPanel {
     viewer_.on(['stats'], () => this.refreshExposure());
   }
 
-  /** Opens the panel at a setting. */
+  /** Opens the panel at a setting; at the sun's switch where what belongs to it is folded. */
   open(name: string): void {
     this.panel_.setOpen(true);
-    this.fields_.get(name)?.focus();
+    const folded = lightRowFolded(name, (setting) => this.viewer_.settings.value(setting));
+    this.fields_.get(folded ? 'sun' : name)?.focus();
   }
 
   private build(): void {
