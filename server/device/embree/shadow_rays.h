@@ -96,13 +96,14 @@ private:
                 if (!coloured) blocked |= passed;
                 passed &= ~blocked;
             }
+            vec3 through[PACKET];
+            if (passed) walk(packet, passed, queue, first, through);
             for (uint32_t i = 0; i < rays; i++) {
                 if (blocked >> i & 1u) continue;
                 uint32_t lane = queue.lanes.data[first + i];
                 vec3 radiance(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
                               queue.contribution[2].data[first + i]);
-                if (passed >> i & 1u)
-                    radiance = radiance * throughTransparent(packet, i, NESTS ? queue.media.data[first + i] : 0);
+                if (passed >> i & 1u) radiance = radiance * through[i];
                 arena_.radiance[0][lane] += radiance.x;
                 arena_.radiance[1][lane] += radiance.y;
                 arena_.radiance[2][lane] += radiance.z;
@@ -110,11 +111,9 @@ private:
         }
     }
 
-    vec3 throughTransparent(const RTCRay16& packet, uint32_t i, uint32_t media) {
-        vec3 origin(packet.org_x[i], packet.org_y[i], packet.org_z[i]);
-        vec3 direction(packet.dir_x[i], packet.dir_y[i], packet.dir_z[i]);
-        return transparentTransmittance(job_, origin, direction, packet.tfar[i], media,
-                                        job_.rays[static_cast<size_t>(RayKind::shadow)]);
+    void walk(const RTCRay16& packet, uint32_t passed, const ShadowQueue& queue, uint32_t first, vec3* through) {
+        transparentTransmittance(job_, packet, passed, NESTS ? queue.media.data + first : nullptr, through,
+                                 job_.rays[static_cast<size_t>(RayKind::shadow)]);
     }
 
     TileJob& job_;

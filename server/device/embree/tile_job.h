@@ -56,8 +56,10 @@ struct TileProgramTable {
         leftOut;  // EFFECT_* bits that no row has code for, whatever it says (HELIOGRAPH_WITHOUT_EFFECTS of CMakeLists.txt)
 };
 
-/// What transparent surfaces leave of the light along a shadow ray that nothing opaque blocks. Walks from surface to
-/// surface, nearest first; adds the rays it needs to `rays`. `media`: the bodies in which it begins, with nested media.
-vec3 transparentTransmittance(const TileJob& job, vec3 origin, vec3 direction, float tMax, uint32_t media, uint64_t& rays);
+/// What transparent surfaces leave of the light along those shadow rays of a packet whose bits are set in `passed`, which nothing
+/// opaque blocks. Walks from surface to surface, nearest first; adds the rays it needs to `rays`. `media`: for each ray the bodies
+/// in which it begins, or null without nested media.
+void transparentTransmittance(const TileJob& job, const RTCRay16& packet, uint32_t passed, const uint32_t* media, vec3* through,
+                              uint64_t& rays);
 
 }  // namespace heliograph
