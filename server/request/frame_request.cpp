@@ -19,6 +19,7 @@ FrameConstants frameConstants(const Scene& scene, const FrameRequest& request) {
         constants.sun = sunOf(request.settings);
         constants.lightCount++;
     }
+    constants.groundHeight = scene.bounds.empty() ? 0.0f : scene.bounds.low.y;
     constants.aoDistance = request.settings.aoRadius * scene.aoRadius;
     constants.cameraBefore = kernelCamera(request.previousCamera.value_or(request.camera), request.resolution);
     if (request.effects.has(EFFECT_NESTED_MEDIA)) {

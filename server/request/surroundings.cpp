@@ -127,7 +127,9 @@ EffectSet effectsUnder(const Scene& scene, EffectSet called, const Settings& set
     const EffectSet allowed = allowedEffects(settings);
     if (called.has(EFFECT_SUN) && allowed.has(EFFECT_SUN))
         bits |= shadowsFor(called) | (settings.sunSize > 0.0f ? EFFECT_SOFT_SHADOWS : 0);
-    return {bits & allowed.bits};
+    bits &= allowed.bits;
+    if (bits & (EFFECT_FOG | EFFECT_MANY_LIGHTS)) bits &= ~EFFECT_GROUND;  // unknown: what air and chosen lights bring there
+    return {bits};
 }
 
 vec3 backdropOf(const Scene& scene, const Settings& settings) {

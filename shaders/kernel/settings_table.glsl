@@ -81,6 +81,7 @@ SETTING_K_FLOAT(contributionThreshold, renderer, film, 0.004f, 0.0f, 0.5f, "", "
 SETTING_CHOICE(surroundings, picture, film, 0, "automatic|studio|sky|grey|none", "Surroundings", "", "", "What stands around the scene and lights it. automatic: what the scene brings, and the studio for a file without any light. studio: soft boxes in a white room; sky: a clear day; grey: even light; none: darkness.")
 SETTING_FLOAT(environmentRotation, picture, film, 0.0f, -180.0f, 180.0f, "deg", "Turn of surroundings", "", "", "Turns what stands around the scene about the vertical axis.")
 SETTING_FLOAT(environmentStrength, picture, film, 1.0f, 0.0f, 100.0f, "x", "Strength of surroundings", "", "", "Multiplies the light of what stands around the scene.")
+SETTING_BOOL(ground, effects, film, false, "Ground", "ground", "", "Catches the shadows of the scene under its lowest point; what is behind shows through. Even light is kept from it as far as the AO radius says.")
 SETTING_BOOL(sun, effects, film, false, "Sun", "sun", "", "Adds a sun to what lights the scene.")
 SETTING_FLOAT(sunAzimuth, effects, film, 35.0f, -180.0f, 180.0f, "deg", "Sun direction", "sun", "", "Where the sun stands, about the vertical axis: 0 is the side that a model from a file shows to its viewer (+Z), 90 the viewer's right.")
 SETTING_FLOAT(sunElevation, effects, film, 45.0f, -90.0f, 90.0f, "deg", "Sun height", "sun", "", "Angle of the sun over the horizon.")

@@ -251,6 +251,7 @@ struct FrameConstants {
 #define SETTING_K_FLOAT(name, group, acts, def, low, high, unit, label, effect, price, help) float name;
 #include "settings_table.glsl"
     uint layers;      // EffectSet bits from 32 on
+    float groundHeight;  // with EFFECT_GROUND: y of the plane
 };
 
 #endif

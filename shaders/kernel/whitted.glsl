@@ -138,11 +138,11 @@ vec3 occlusionDirection(uvec2 point, uint shift, vec3 normal, vec3 geometricNorm
     return d - geometricNormal * (2.0f * below);
 }
 
-// True if the ambient light at a hit is worth occlusion rays.
-bool needsOcclusion(vec3 ambient) {
-    return HAS(EFFECT_AMBIENT_OCCLUSION) && FRAME.aoDistance > 0.0f && FRAME.aoSamples > 0u
-           && maxComponent(ambient) > FRAME.contributionThreshold;
+// True if ambient light is worth occlusion rays, and whether it is at a hit.
+bool isWorthOcclusion(vec3 ambient) {
+    return FRAME.aoDistance > 0.0f && FRAME.aoSamples > 0u && maxComponent(ambient) > FRAME.contributionThreshold;
 }
+bool needsOcclusion(vec3 ambient) { return HAS(EFFECT_AMBIENT_OCCLUSION) && isWorthOcclusion(ambient); }
 
 // Share of the ambient light that is left when `visible` of FRAME.aoSamples rays found nothing.
 float occlusionVisibility(uint visible) {
@@ -281,6 +281,7 @@ struct Arrival {
     DO(NEXT_REFRACTION, refraction)
 
 #include "integrators/path.glsl"
+#include "effects/ground.glsl"
 
 // All that happens at a hit but its light and occlusion rays.
 Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, INOUT(vec3) radiance) {
@@ -338,8 +339,11 @@ ShadowRay rayToLight(UNIFORM_UINT light, UNIFORM_UINT ray, UNIFORM_UINT fromSurf
         }
     }
     if (HAS_SKY_LIGHT || HAS_LAMPS) {
-        if (light >= FRAME.lightCount)
-            return sampledLightRay(light, sampleIndex, pixel, p.salt, a.surface, a.shading, a.wo, a.throughput, a.shares);
+        if (light >= FRAME.lightCount) {
+            ShadowRay r = sampledLightRay(light, sampleIndex, pixel, p.salt, a.surface, a.shading, a.wo, a.throughput, a.shares);
+            if (!HAS_SKY_LIGHT || light != FRAME.lightCount + lightsForMany()) r.contribution = withoutLamps(r.contribution);
+            return r;
+        }
     }
     if (HAS(EFFECT_FOG)) {
         if (ray >= fromSurface) return pathFogRay(light, ray - fromSurface, sampleIndex, pixel, p, a.air);

@@ -21,10 +21,12 @@ void main() {
     hit.instance = 0u;
     hit.primitive = pixel.x;
     Arrival a = arrive(pixel, 3u, path, hit, radiance);
+    if (meetsGround(path)) a = onGround(path, radiance);
     for (uint ray = 0u; ray < raysFromSurface(0u, 1u) + fogRays(); ray++) {
         ShadowRay shadow = rayToLight(0u, ray, raysFromSurface(0u, 1u), 3u, pixel, path, a);
         uint media = a.media;
-        radiance += shadow.contribution * mediaThrough(a.surface, shadow.ray.direction, media) * airOfMiss(path);
+        if (!isWorthRay(shadow.contribution)) continue;
+        radiance += lightArriving(shadow.contribution, mediaThrough(a.surface, shadow.ray.direction, media)) * airOfMiss(path);
         radiance *= mediaToLight(media, float(a.mediaLost));
     }
     vec3 tangent;

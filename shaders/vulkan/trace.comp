@@ -56,7 +56,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
     bool several = HAS(EFFECT_SOFT_SHADOWS) || HAS(EFFECT_FOG) || HAS_SKY_LIGHT || HAS_LAMPS || HAS_MANY_LIGHTS;
     uint lights = FRAME.lightCount;
     if (several) lights = (met != 0u ? allLightSamples() : 0u) + allFogRays();
-    bool occlusion = HAS(EFFECT_AMBIENT_OCCLUSION) && a.occlusion;
+    bool occlusion = (HAS(EFFECT_AMBIENT_OCCLUSION) || HAS_LAYER(EFFECT_GROUND)) && a.occlusion;
     uint total = lights + (occlusion ? FRAME.aoSamples : 0u);
     uint light = 0u;
     uint raysOfLight = 0u;
@@ -75,9 +75,9 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
                 light++;
                 raysOfLight = 0u;
             }
-            if (!(maxComponent(r.contribution) > 0.0f)) continue;
+            if (!isWorthRay(r.contribution)) continue;
             if (!HAS(EFFECT_SHADOWS) || (p.depth == 0u && shinesFromEye(index) != 0u)) {
-                radiance = radiance + r.contribution;
+                radiance = radiance + lightArriving(r.contribution, vec3(1.0f));
                 continue;
             }
             shadowRays++;
@@ -90,16 +90,17 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
         }
         Hit unused;
         uint found = traverse(r.ray.origin, r.ray.direction, r.ray.tMax, TRACE_ANY, unused);
-        if ((found & FOUND_BLOCKED) != 0u) continue;
+        bool blocked = (found & FOUND_BLOCKED) != 0u;
         if (i >= lights) {
-            visible++;
+            if (!blocked) visible++;
             continue;
         }
-        if ((found & FOUND_TRANSPARENT) != 0u) {
-            if (!HAS(EFFECT_TRANSPARENT_SHADOWS)) continue;  // as if opaque
-            r.contribution = r.contribution * transmittance(r.ray, a.media);
-        }
-        radiance = radiance + r.contribution;
+        bool passes = (found & FOUND_TRANSPARENT) != 0u;
+        if (!HAS(EFFECT_TRANSPARENT_SHADOWS)) blocked = blocked || passes;  // as if opaque
+        if (blocked && !HAS_LAYER(EFFECT_GROUND)) continue;
+        vec3 share = blocked ? vec3(0.0f) : vec3(1.0f);
+        if (HAS(EFFECT_TRANSPARENT_SHADOWS) && passes && !blocked) share = transmittance(r.ray, a.media);
+        radiance = radiance + lightArriving(r.contribution, share);
     }
     if (occlusion) radiance = radiance + a.ambient * occlusionVisibility(visible);
 }
@@ -123,6 +124,8 @@ vec3 renderSample(uvec2 pixel, uint sampleIndex) {
                 none.air = airOfMiss(p);
                 none.media = p.medium;
                 gatherLight(pixel, sampleIndex, p, 0u, none, radiance);
+            } else if (HAS_LAYER(EFFECT_GROUND)) {
+                if (meetsGround(p)) gatherLight(pixel, sampleIndex, p, 1u, onGround(p, radiance), radiance);
             }
         } else {
             Arrival a = arrive(pixel, sampleIndex, p, hit, radiance);

@@ -10,7 +10,7 @@ const DESKTOP = { width: 1440, height: 900 };
 const SUN_ROWS = ['sunAzimuth', 'sunElevation', 'sunSize', 'sunStrength'];
 const ROWS = [
   ...['surroundings', 'environmentRotation', 'environmentStrength', 'sun', ...SUN_ROWS],
-  ...['background', 'exposure', 'autoExposure', 'toneCurve'],
+  ...['ground', 'background', 'exposure', 'autoExposure', 'toneCurve'],
 ];
 
 const setting = async (session, name) => (await session.state()).settings[name];

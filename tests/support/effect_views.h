@@ -24,6 +24,7 @@ inline std::vector<EffectView> effectViews() {
             {"effects/layers", {}},
             {"effects/layers", {"glossyReflections=true", "indirectLight=true"}},
             {"effects/layers", {"integrator=path"}},
+            {"effects/layers", {"ground=true"}},
             {"courtyard", {"textureFilter=anisotropic"}}};
 }
 

@@ -22,7 +22,7 @@ public:
 
     /// Queues the rays of a group that would add something. `media`: the bodies in which they begin.
     HELIOGRAPH_INLINE void push(uint32_t light, const Group& g, const typename KernelType::ShadowRay& shadow, Uint media) {
-        uint32_t bits = laneBits(kernel_.maxComponent(shadow.contribution) > 0.0f) & g.mask();
+        uint32_t bits = laneBits(kernel_.isWorthRay(shadow.contribution)) & g.mask();
         if (!bits) return;
         ShadowQueue& queue = *arena_.shadows[light];
         if constexpr (NESTS) pushMedia(queue, bits, media);
@@ -36,6 +36,12 @@ public:
 
 private:
     static constexpr bool NESTS = (EFFECTS & EFFECT_NESTED_MEDIA) != 0;
+    static constexpr bool CATCHES = (EFFECTS & EFFECT_GROUND) != 0;
+
+    /// As in effects/ground.glsl: a contribution that counts where something is in the way.
+    static bool isTaken(vec3 contribution) {
+        return CATCHES && (contribution.x < 0.0f || contribution.y < 0.0f || contribution.z < 0.0f);
+    }
 
     HELIOGRAPH_INLINE void pushMedia(ShadowQueue& queue, uint32_t bits, Uint media) {
         for (uint32_t at = queue.count; bits; bits &= bits - 1) queue.media.data[at++] = media.v[__builtin_ctz(bits)];
@@ -99,11 +105,16 @@ private:
             vec3 through[PACKET];
             if (passed) walk(packet, passed, queue, first, through);
             for (uint32_t i = 0; i < rays; i++) {
-                if (blocked >> i & 1u) continue;
-                uint32_t lane = queue.lanes.data[first + i];
                 vec3 radiance(queue.contribution[0].data[first + i], queue.contribution[1].data[first + i],
                               queue.contribution[2].data[first + i]);
-                if (passed >> i & 1u) radiance = radiance * through[i];
+                const bool taken = isTaken(radiance);
+                if ((blocked >> i & 1u) && !taken) continue;
+                uint32_t lane = queue.lanes.data[first + i];
+                if (passed >> i & 1u) {
+                    radiance = radiance * (taken ? vec3(1.0f) - through[i] : through[i]);
+                } else if (taken && !(blocked >> i & 1u)) {
+                    continue;
+                }
                 arena_.radiance[0][lane] += radiance.x;
                 arena_.radiance[1][lane] += radiance.y;
                 arena_.radiance[2][lane] += radiance.z;

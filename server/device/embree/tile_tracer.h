@@ -219,11 +219,31 @@ private:
             Group g = Group::of(arena_.misses + first, missCount_ - first);
             g.store(arena_.radiance, g.load(arena_.radiance) + kernel_.missRadiance(loadPath(g)));
         }
+        if constexpr ((EFFECTS & EFFECT_GROUND) != 0) shadeGround();
         if (kernel_.fogRays() == 0) return;
         shadeRuns(missCount_, [&](uint32_t i, uint32_t end) {
             const Group g = Group::of(arena_.misses + i, end - i);
             Path path = loadPath(g);
             for (uint32_t l = 0; l < kernel_.allLights(); l++) pushFog(l, g, path, kernel_.airOfMiss(path));
+        });
+    }
+
+    // Misses that look at the ground; with it there is no fog, so that nobody asks for the others again.
+    void shadeGround() {
+        if ((kernel_.frame.layers & (EFFECT_GROUND >> 32)) == 0) return;
+        uint32_t count = 0;
+        for (uint32_t first = 0; first < missCount_; first += LANES) {
+            const Group g = Group::of(arena_.misses + first, missCount_ - first);
+            uint32_t met = laneBits(kernel_.meetsGround(loadPath(g))) & g.mask();
+            for (; met; met &= met - 1) arena_.misses[count++] = static_cast<uint16_t>(g.lane.v[__builtin_ctz(met)]);
+        }
+        shadeRuns(count, [&](uint32_t i, uint32_t end) {
+            const Group g = Group::of(arena_.misses + i, end - i);
+            Path path = loadPath(g);
+            Vec3 radiance = g.load(arena_.radiance);
+            const Arrival a = kernel_.onGround(path, radiance);
+            g.store(arena_.radiance, radiance);
+            gatherLight(g, path, a);
         });
     }
 
@@ -256,9 +276,15 @@ private:
         Vec3 radiance = g.load(arena_.radiance);
         const Arrival a = kernel_.arrive(pixel, sample_, path, hit, radiance);
         g.store(arena_.radiance, radiance);
-        if (uint32_t bits = laneBits(a.occlusion) & g.mask()) occlusion_.push(g, bits, path, a);
         pushNext(g, a);
         if constexpr ((EFFECTS & EFFECT_NESTED_MEDIA) != 0) countLost(g, a.mediaLost);
+        gatherLight(g, path, a);
+    }
+
+    // Queues the rays to the lights and into the hemisphere.
+    HELIOGRAPH_INLINE void gatherLight(const Group& g, const Path& path, const Arrival& a) {
+        const Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
+        if (uint32_t bits = laneBits(a.occlusion) & g.mask()) occlusion_.push(g, bits, path, a);
         for (uint32_t l = 0; l < kernel_.allLights(); l++) {
             uint32_t own = kernel_.raysFromSurface(l, 1);
             for (uint32_t i = 0; i < own + kernel_.fogRaysTo(l); i++)

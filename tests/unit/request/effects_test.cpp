@@ -38,7 +38,7 @@ ImageData plainImage(uint8_t red, uint8_t green, uint8_t blue, uint8_t alpha = 2
 TEST(EffectSet, APlainLitSquareCallsForShadowsAndOcclusionAlone) {
     EXPECT_EQ(effectNames(effectsOf(*squareScene())),
               (std::vector<std::string>{"shadows", "ambientOcclusion", "depthOfField", "fog", "glossyReflections", "motionBlur",
-                                        "indirectLight", "path", "sun"}))
+                                        "indirectLight", "path", "sun", "ground"}))
         << "the last ones are the viewer's choice";
 }
 

@@ -13,6 +13,7 @@ const LIGHT_ROWS: readonly string[] = [
   'sunElevation',
   'sunSize',
   'sunStrength',
+  'ground',
   'background',
   'exposure',
   'autoExposure',
