@@ -5,6 +5,7 @@ import { Banner } from './page/banner.js';
 import { exposeDiagnostics } from './page/diagnostics.js';
 import { DisplayError } from './picture/display.js';
 import { el, iconButton, setText } from './page/dom.js';
+import { isEffectRow } from './panels/effects/effect_rows.js';
 import { EffectsPanel } from './panels/effects/effects_panel.js';
 import { attachFocus } from './page/focus.js';
 import { HelpDialog } from './page/help.js';
@@ -207,8 +208,10 @@ function makePanels(viewer: Viewer): Readonly<Record<'statistics' | 'light' | 's
   const effects = new Panel('effects', 'Effects', group, false);
   new StatsPanel(statistics, viewer);
   const lights = new LightPanel(light, viewer);
-  new SettingsPanel(settings, viewer, { title: 'Light', has: isLightRow, open: (name) => lights.open(name) });
-  new EffectsPanel(effects, viewer);
+  const inLight = { title: 'Light', has: isLightRow, open: (name: string) => lights.open(name) };
+  const list = new EffectsPanel(effects, viewer, inLight);
+  const inEffects = { title: 'Effects', has: isEffectRow, open: (name: string) => list.open(name) };
+  new SettingsPanel(settings, viewer, [inLight, inEffects]);
   return { statistics, light, settings, effects };
 }
 

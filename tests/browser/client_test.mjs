@@ -4,6 +4,7 @@
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { effectChecks } from './effects_test.mjs';
 import { fakeChecks } from './fake_test.mjs';
 import { doorChecks } from './door_test.mjs';
 import { keyChecks } from './keys_test.mjs';
@@ -180,6 +181,7 @@ async function settingChecks() {
       return settings.exposure === 0 && settings.shadows === true;
     });
     expect(await field('maxReflections').locator('.field-error').isHidden(), 'the error is still shown');
+    await page.locator('.dock').getByRole('button', { name: 'Effects' }).click(); // as it was at first
     await settled();
   });
 }
@@ -401,6 +403,7 @@ try {
   await watchChecks(checks);
   await resumeChecks(checks);
   await fakeChecks(checks);
+  await effectChecks(checks);
   await keyChecks(checks);
   await doorChecks(checks);
   await panelChecks(checks);

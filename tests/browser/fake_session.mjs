@@ -2,7 +2,7 @@
 
 import { get } from 'node:http';
 import { join } from 'node:path';
-import { Browser, freePort, outFolder, root, Server, until } from './page.mjs';
+import { Browser, freePort, outFolder, root, Server, unfoldFor, until } from './page.mjs';
 
 const FAKE = join(root, 'tests/browser/fake_server.mjs');
 
@@ -44,7 +44,7 @@ export class Session {
   }
 
   async set(name, value) {
-    await this.page.evaluate(() => document.querySelectorAll('details').forEach((group) => (group.open = true)));
+    await unfoldFor(this.page, name);
     const field = this.field(name);
     if ((await field.locator('select').count()) > 0) await field.locator('select').selectOption(value);
     else await field.locator('input[role=switch]').setChecked(value);

@@ -1,4 +1,4 @@
-// The page in Chromium against the fake server: hybrid settings, partition, timeline, effects panel. Part
+// The page in Chromium against the fake server: hybrid settings, partition, timeline. Part
 // of client_test.mjs; run alone: node tests/browser/fake_test.mjs. Writes screenshots to out/browser.
 
 import { pathToFileURL } from 'node:url';
@@ -171,75 +171,6 @@ async function partitionChecks(checks, session) {
   });
 }
 
-async function effectChecks(checks, session) {
-  const { page } = session;
-  const panel = page.locator('#effects-panel');
-  const effect = (name) => panel.locator(`[data-effect="${name}"]`);
-  await checks.check('effects: what the scene calls for comes first, with reasons and rays', async () => {
-    await page.locator('.dock').getByRole('button', { name: 'Effects' }).click();
-    const names = await panel.locator('.effect-name').allTextContents();
-    const off = names.indexOf('Refractions');
-    expect(names[0] === 'Shadows' && off > names.indexOf('Emission'), names.join(', '));
-    expect(names.indexOf('Fog') > names.indexOf('Emission') && names.indexOf('Fog') < off, `Fog stands among ${names.join(', ')}`);
-    const idle = await panel.locator('.idle-effects [data-effect]').evaluateAll((rows) => rows.map((row) => row.dataset.effect));
-    expect(idle.includes('refractions') && !idle.includes('fog') && !idle.includes('shadows'), `folded away: ${idle}`);
-    const state = await effect('refractions').locator('.effect-state').textContent();
-    expect(state === 'off: no transmissive material', state);
-    const figures = await effect('shadows').locator('.effect-figures').textContent();
-    expect(figures === '2.31 M rays', figures);
-    expect(await effect('textures').locator('.effect-figures').isHidden(), 'a figure at textures');
-    expect((await effect('textures').locator('input').count()) === 0, 'a switch at textures');
-    const moving = await effect('animation').locator('.effect-state').textContent();
-    expect(moving.startsWith('not simulated: 2 animations'), `animation: ${moving}`);
-    const covered = [...(await badControls(page)), ...(await overlaps(page))];
-    expect(covered.length === 0, covered.join('\n'));
-  });
-  await checks.check('effects: a switch is the one of the settings panel', async () => {
-    const input = effect('reflections').locator('input');
-    await input.focus();
-    await page.keyboard.press('Space');
-    expect(!(await session.field('reflections').locator('input[role=switch]').isChecked()), 'the settings panel lags');
-    await until('the echo', 5000, async () => (await session.state()).settings.reflections === false);
-    const state = await effect('reflections').locator('.effect-state').textContent();
-    expect(state.startsWith('switched off, the scene calls for it'), state);
-    await session.set('reflections', true);
-    expect(await input.isChecked(), 'the effects panel does not follow');
-    const shared = await effect('transparentShadows').locator('input').getAttribute('aria-label');
-    expect(shared.includes('switched with Shadows'), shared);
-  });
-  await checks.check('effects: costs are measured on demand', async () => {
-    const button = panel.locator('.measure');
-    await session.ask('/received');
-    await session.ask('/control?costs=hold');
-    await button.click();
-    await panel.getByText('Measuring … 50 %').waitFor({ timeout: 20_000 });
-    expect((await session.received('effectCosts')).length === 1, 'the server was not asked once');
-    expect(await button.isDisabled(), 'the button can be pressed again');
-    await session.ask('/control?costs=ready');
-    await panel.getByText('Measured on embree at 320 × 180 pixels').waitFor({ timeout: 20_000 });
-    const figures = await effect('shadows').locator('.effect-figures').textContent();
-    expect(figures === '2.31 M rays · costs 4 to 7 ms', figures);
-    await panel.locator('.panel-body').evaluate((body) => (body.scrollTop = 0));
-    await session.screenshot('effects');
-    await session.ask('/control?costs=error');
-    await button.click();
-    await panel.getByText('effectCosts: the device is busy, try again').waitFor({ timeout: 20_000 });
-    expect(await button.isEnabled(), 'the button stays disabled');
-    expect((await page.locator('.toast.error').count()) === 0, 'the refusal is told twice');
-    await session.ask('/control?costs=ready');
-  });
-  await checks.check('effects: another scene has its own costs', async () => {
-    await panel.locator('.measure').click();
-    await panel.getByText('Measured on embree').waitFor({ timeout: 20_000 });
-    await page.locator('.picker').click();
-    await page.getByRole('menuitemradio', { name: /^Cornell/ }).click();
-    await session.shown('cornell');
-    const figures = await effect('shadows').locator('.effect-figures').textContent();
-    expect(!figures.includes('costs'), figures);
-    await page.locator('.dock').getByRole('button', { name: 'Effects' }).click();
-  });
-}
-
 async function sizeChecks(checks, session) {
   await checks.check('a picture smaller than asked for is said where the size stands', async () => {
     const size = session.field('resolution').locator('.resolution');
@@ -316,7 +247,6 @@ export async function fakeChecks(checks) {
     await hybridSettings(checks, session);
     await partitionChecks(checks, session);
     await deviceStatistics(checks, session);
-    await effectChecks(checks, session);
     await sizeChecks(checks, session);
     await checks.check('nothing was wrong in the browser\u2019s console (fake server)', async () => {
       expect(session.browser.problems.length === 0, session.browser.problems.join('\n'));

@@ -40,13 +40,17 @@ export async function until(what, ms, check) {
   }
 }
 
-/** Unfolds the panel in which the setting stands. */
+/** Unfolds the panel in which the setting stands, and what it is folded in there. */
 export async function unfoldFor(page, name) {
-  const panel = page.locator('.panel', { has: page.locator(`[data-setting="${name}"]`) });
+  const field = page.locator(`[data-setting="${name}"]`);
+  const panel = page.locator('.panel', { has: field });
   const id = await panel.getAttribute('id');
   const folded = await panel.evaluate((element) => element.classList.contains('folded'));
-  const label = { 'light-panel': 'Light', 'settings-panel': 'Settings' }[id];
+  const label = { 'light-panel': 'Light', 'settings-panel': 'Settings', 'effects-panel': 'Effects' }[id];
   if (folded) await page.locator('.dock').getByRole('button', { name: label }).click();
+  await field.evaluate((element) => {
+    for (let fold = element.closest('details'); fold !== null; fold = fold.parentElement.closest('details')) fold.open = true;
+  });
 }
 
 /** Types a number into the field of a setting, as a person would. */

@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Line, LINES } from '../load/line.mjs';
 import { codecChecks } from './codec_checks.mjs';
-import { Browser, Checks, expect, freePort, outFolder, pause, Server, until } from './page.mjs';
+import { Browser, Checks, expect, freePort, outFolder, pause, Server, unfoldFor, until } from './page.mjs';
 
 const SIZE = { width: 1100, height: 700 };
 
@@ -19,7 +19,7 @@ const exact = (page) =>
   });
 
 async function set(page, name, value) {
-  await page.evaluate(() => document.querySelectorAll('details').forEach((group) => (group.open = true)));
+  await unfoldFor(page, name);
   const field = page.locator(`[data-setting="${name}"]`);
   if (typeof value === 'boolean') await field.locator('input[type=checkbox]').setChecked(value, { force: true });
   else {

@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { EffectCostModel } from '../../src/panels/effects/effect_costs.js';
-import { allows, costText, effectFigures, effectRows, effectState, possible } from '../../src/panels/effects/effect_rows.js';
+import { allows, costText, effectFigures, effectRows, effectState, hasOwnSwitch, possible, sectionOf } from '../../src/panels/effects/effect_rows.js';
 import type { EffectCostsMessage } from '../../src/wire/effect_costs_message.js';
 import { parseMessage, type EffectReason, type SceneReady, type SettingRow } from '../../src/wire/protocol.js';
 
@@ -21,7 +21,7 @@ const switchRow = (name: string, label: string): SettingRow =>
 const SCHEMA = [
   switchRow('shadows', 'Shadows'),
   switchRow('environment', 'Environment image'),
-  { ...switchRow('aperture', 'Aperture'), type: 'float' as const },
+  { ...switchRow('aperture', 'Aperture'), type: 'float' as const, effect: 'depthOfField' },
 ];
 
 test('effectRows: called for first, each with the setting that allows it', () => {
@@ -42,6 +42,36 @@ test('effectRows: called for first, each with the setting that allows it', () =>
       ['Environment image', 'environment'],
     ],
   );
+});
+
+test('effectRows: what belongs to an effect stands with it, and nothing stands twice', () => {
+  const number = (name: string, effect: string): SettingRow =>
+    ({ name, label: name, type: 'int', default: 1, effect, choices: [] }) as unknown as SettingRow;
+  const schema = [
+    switchRow('shadows', 'Shadows'),
+    number('shadowSamples', 'shadows'),
+    switchRow('sun', 'Sun'),
+    number('sunSize', 'sun'),
+    { ...switchRow('integrator', 'Integrator'), type: 'choice' as const, default: 'interactive', effect: 'path' },
+    number('maxBounces', 'path'),
+    { ...switchRow('samples', 'Samples'), effect: '' },
+  ];
+  const list = effects([
+    { name: 'shadows', calledFor: true, setting: 'shadows' },
+    { name: 'transparentShadows', calledFor: true, setting: 'shadows' },
+    { name: 'sun', choice: true, setting: 'sun' },
+  ]);
+  const rows = effectRows(list, schema);
+  assert.deepEqual(
+    rows.map((row) => [row.name, sectionOf(row), hasOwnSwitch(row), row.settings.map(({ name }) => name).join()]),
+    [
+      ['shadows', 'on', true, 'shadowSamples'],
+      ['transparentShadows', 'on', false, ''],
+      ['sun', 'choice', true, ''], // its rows stand in the panel Light
+      ['path', 'unknown', true, 'maxBounces'], // the scene has said nothing of it
+    ],
+  );
+  assert.equal(effectState(rows[3]!, true), '');
 });
 
 test('effectState: not called for, allowed, switched off', () => {

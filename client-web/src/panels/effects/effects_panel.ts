@@ -1,14 +1,25 @@
-// The effects panel: which effects the scene calls for and why, a switch for those that have one, the rays they shot and,
-// on demand, the milliseconds they cost.
+// The effects panel: which effects the scene calls for and why, with all their settings, the rays they shot and, on
+// demand, the milliseconds they cost.
 
 import { el, icon, setText, uniqueId } from '../../page/dom.js';
-import { allows, effectFigures, effectRows, effectState, possible, type EffectRow } from './effect_rows.js';
+import { EffectItem } from './effect_item.js';
+import { allows, effectFigures, effectRows, possible, sectionOf, type EffectRow, type Section } from './effect_rows.js';
+import type { OtherPanel } from '../settings/viewer_field.js';
 import type { Panel } from '../panel.js';
 import { percent } from '../../page/format.js';
 import { recall, remember } from '../../page/storage.js';
-import type { EffectReason, SettingRow } from '../../wire/protocol.js';
+import type { SettingRow } from '../../wire/protocol.js';
 import type { Viewer } from '../../viewer.js';
 import './effects_panel.css';
+
+/** In their order; the last ones are folded. */
+const SECTIONS: readonly (readonly [Section, string])[] = [
+  ['on', 'Called for by this scene'],
+  ['notSimulated', 'Called for, not simulated'],
+  ['choice', 'Yours to choose'],
+  ['unknown', 'Not known before a scene is there'],
+  ['idle', 'Of no use in this scene'],
+];
 
 export class EffectsPanel {
   private readonly button_ = el('button', { type: 'button', class: 'wide-button measure' });
@@ -17,24 +28,40 @@ export class EffectsPanel {
   private readonly error_ = el('p', { class: 'field-error', role: 'alert', hidden: true });
   private readonly lists_ = el('div');
   private items_: readonly EffectItem[] = [];
-  private builtOf_: readonly [readonly EffectReason[], readonly SettingRow[]] | null = null;
+  private schema_: readonly SettingRow[] = [];
+  private layout_ = '';
 
   constructor(
     private readonly panel_: Panel,
     private readonly viewer_: Viewer,
+    private readonly light_: OtherPanel,
   ) {
     this.button_.addEventListener('click', () => viewer_.measureEffects());
     panel_.body.append(this.button_, this.progress_, this.error_, this.remark_, this.lists_);
-    viewer_.on(['scene', 'hello', 'settings', 'stats'], () => this.refresh());
+    viewer_.on(['scene', 'hello', 'settings', 'stats', 'watching'], () => this.refresh());
     viewer_.on(['effectCosts', 'connection'], () => this.refreshCosts());
     panel_.onToggle(() => this.refresh());
     this.refreshCosts();
   }
 
+  /** Opens the panel at a setting. */
+  open(name: string): void {
+    this.panel_.setOpen(true);
+    this.focus(name);
+  }
+
+  private focus(name: string): void {
+    for (const item of this.items_) {
+      const fold = item.element.closest<HTMLDetailsElement>('.idle-effects');
+      const here = [item.row.setting, ...item.row.settings].some((row) => row?.name === name);
+      if (fold !== null && here) fold.open = true; // else it takes no focus
+      if (item.open(name)) return;
+    }
+  }
+
   private refresh(): void {
     const effects = this.viewer_.state.ready?.effects ?? [];
-    const schema = this.viewer_.settings.rows;
-    if (this.builtOf_?.[0] !== effects || this.builtOf_[1] !== schema) this.build(effects, schema);
+    this.arrange(effectRows(effects, this.viewer_.settings.rows));
     const can = this.items_.filter(({ row }) => possible(row));
     const on = can.filter(({ row }) => this.allowed(row)).length;
     setText(this.panel_.summary, effects.length === 0 ? 'no scene yet' : `${on} of ${can.length} on`);
@@ -55,24 +82,37 @@ export class EffectsPanel {
     return row.setting.type === 'choice' ? value !== row.setting.choices[0] : allows(value);
   }
 
-  private build(effects: readonly EffectReason[], schema: readonly SettingRow[]): void {
-    this.builtOf_ = [effects, schema];
-    this.items_ = effectRows(effects, schema).map(
-      (row) => new EffectItem(row, (setting, value) => this.viewer_.setSettings({ [setting]: value })),
-    );
-    const list = (title: string, belongs: (row: EffectRow) => boolean): HTMLElement | string => {
-      const items = this.items_.filter(({ row }) => belongs(row)).map((item) => item.element);
-      const id = uniqueId('effects');
-      return items.length === 0
-        ? ''
-        : el('section', {}, el('h3', { id }, title), el('ul', { 'aria-labelledby': id }, ...items));
-    };
-    this.lists_.replaceChildren(
-      list('Called for by this scene', (row) => row.calledFor && row.simulated),
-      list('Called for, not simulated', (row) => row.calledFor && !row.simulated),
-      list('Yours to choose', (row) => row.choice && row.simulated),
-      folded(list('Of no use in this scene', (row) => !row.calledFor && !row.choice)),
-    );
+  /** Rows that stay where they are keep what is being typed, and the focus. */
+  private arrange(rows: readonly EffectRow[]): void {
+    const schema = this.viewer_.settings.rows;
+    const layout = rows.map((row) => `${row.name} ${sectionOf(row)} ${row.setting?.name}`).join();
+    if (layout === this.layout_ && schema === this.schema_) {
+      this.items_.forEach((item, i) => (item.row = rows[i] ?? item.row));
+      return;
+    }
+    [this.layout_, this.schema_] = [layout, schema];
+    const open = this.lists_.querySelectorAll('.effect-settings[open]');
+    const unfolded = [...open].map((fold) => fold.closest<HTMLElement>('.effect')?.dataset['effect']);
+    const focused = document.activeElement?.closest<HTMLElement>('#effects-panel [data-setting]')?.dataset['setting'];
+    this.items_ = rows.map((row) => new EffectItem(row, this.viewer_, this.light_, () => this.refresh()));
+    this.lists_.replaceChildren(...SECTIONS.map(([name, title]) => this.section(name, title)));
+    for (const { row, element } of this.items_) {
+      const fold = element.querySelector('details');
+      if (fold !== null) fold.open = unfolded.includes(row.name);
+    }
+    if (focused !== undefined) this.focus(focused);
+  }
+
+  private section(name: Section, title: string): HTMLElement | string {
+    const items = this.items_.filter(({ row }) => sectionOf(row) === name).map(({ element }) => element);
+    if (items.length === 0) return '';
+    const id = uniqueId('effects');
+    const list = el('ul', { 'aria-labelledby': id }, ...items);
+    if (name !== 'idle') return el('section', {}, el('h3', { id }, title), list);
+    const summary = el('summary', {}, el('span', { id }, `${title}: ${items.length}`), icon('chevron'));
+    const details = el('details', { class: 'idle-effects', open: recall('effects.idle') === 'open' }, summary, list);
+    details.addEventListener('toggle', () => remember('effects.idle', details.open ? 'open' : 'folded'));
+    return details;
   }
 
   private refreshCosts(): void {
@@ -95,70 +135,5 @@ export class EffectsPanel {
     const measured = `Measured on ${device} at ${width} × ${height} pixels, in pairs of frames with and without each effect${scaled}.`;
     setText(this.remark_, state.name === 'ready' ? measured : '');
     this.refresh();
-  }
-}
-
-/** What does nothing now takes one line until it is opened. */
-function folded(section: HTMLElement | string): HTMLElement | string {
-  if (typeof section === 'string') return section;
-  const rows = section.querySelectorAll('li').length;
-  const summary = el('summary', {}, el('span', {}, `Of no use in this scene: ${rows}`), icon('chevron'));
-  section.querySelector('h3')?.setAttribute('hidden', ''); // the summary says it
-  const details = el('details', { class: 'idle-effects', open: recall('effects.idle') === 'open' }, summary, section);
-  details.addEventListener('toggle', () => remember('effects.idle', details.open ? 'open' : 'folded'));
-  return details;
-}
-
-/** One effect in the list. */
-class EffectItem {
-  readonly element: HTMLElement;
-  private readonly state_ = el('p', { class: 'effect-state' });
-  private readonly figures_ = el('p', { class: 'effect-figures figure' });
-  private readonly switch_: HTMLInputElement | null;
-
-  constructor(
-    readonly row: EffectRow,
-    set: (setting: string, value: boolean) => void,
-  ) {
-    const { setting } = row;
-    this.state_.id = uniqueId('effect');
-    this.switch_ = setting?.type === 'bool' ? this.buildSwitch(setting, set) : null;
-    const shared = setting !== null && setting.name !== row.name;
-    this.element = el(
-      'li',
-      { class: 'effect', 'data-effect': row.name },
-      el(
-        this.switch_ === null ? 'div' : 'label', // touching anywhere in the line switches
-        { class: 'effect-head' },
-        el('span', { class: 'effect-name', title: row.help }, row.label),
-        el('span', { class: 'spacer' }),
-        shared ? el('span', { class: 'effect-with' }, `with ${setting.label}`) : null,
-        this.switch_,
-      ),
-      this.state_,
-      this.figures_,
-    );
-  }
-
-  show(allowed: boolean, figures: string): void {
-    if (this.switch_ !== null) this.switch_.checked = allowed;
-    const on = possible(this.row) && allowed;
-    this.element.classList.toggle('on', on);
-    setText(this.state_, effectState(this.row, allowed));
-    setText(this.figures_, figures);
-    this.figures_.hidden = figures === '';
-  }
-
-  private buildSwitch(setting: SettingRow, set: (setting: string, value: boolean) => void): HTMLInputElement {
-    const label = setting.name === this.row.name ? this.row.label : `${this.row.label}, switched with ${setting.label}`;
-    const input = el('input', {
-      type: 'checkbox',
-      role: 'switch',
-      class: 'switch',
-      'aria-label': label,
-      'aria-describedby': this.state_.id,
-    });
-    input.addEventListener('change', () => set(setting.name, input.checked));
-    return input;
   }
 }

@@ -5,8 +5,9 @@ import { exposureText } from '../../picture/exposure_text.js';
 import type { Viewer } from '../../viewer.js';
 import type { SettingRow } from '../../wire/protocol.js';
 import type { Panel } from '../panel.js';
-import { SettingField, sliderControl, type ControlMaker } from '../settings/settings_field.js';
+import { sliderControl, type ControlMaker, type SettingField } from '../settings/settings_field.js';
 import { POWER_SCALE } from '../settings/slider_scale.js';
+import { showField, viewerField } from '../settings/viewer_field.js';
 import { dialControl } from './dial.js';
 import { lightRowFolded, lightRows, lightWithoutUse } from './light_rows.js';
 import { LOG_SCALE, TURN_SCALE } from './light_scale.js';
@@ -59,16 +60,9 @@ export class LightPanel {
   }
 
   private field(row: SettingRow): SettingField {
-    const hooks = {
-      changed: (value: SettingRow['default']) => this.viewer_.setSettings({ [row.name]: value }),
-      preset: () => this.viewer_.settings.default(row),
-      invalid: (message: string) => {
-        this.viewer_.settings.reject(row.name, message);
-        this.refresh();
-      },
-    };
     const make = row.type === 'choice' ? tilesControl : CONTROLS[row.name];
-    return new SettingField(row, hooks, make ?? (row.type === 'bool' ? undefined : sliderControl(POWER_SCALE)));
+    const control = make ?? (row.type === 'bool' ? undefined : sliderControl(POWER_SCALE));
+    return viewerField(this.viewer_, row, () => this.refresh(), control);
   }
 
   private refresh(): void {
@@ -76,13 +70,10 @@ export class LightPanel {
     let differing = 0;
     for (const row of this.rows_) {
       const field = this.fields_.get(row.name);
-      const value = model.value(row.name);
-      if (field === undefined || value === undefined) continue;
+      if (field === undefined) continue;
       const reason = lightWithoutUse(row.name, (name) => model.value(name));
       if (!model.isDefault(row)) differing += 1;
-      field.show(value, model.isDefault(row));
-      field.setError(model.error(row.name));
-      field.setDisabled(!this.viewer_.watching.maySet([row.name]));
+      showField(this.viewer_, row, field);
       field.setNote(reason);
       field.element.classList.toggle('idle', reason !== null);
       field.element.hidden = lightRowFolded(row.name, (name) => model.value(name));

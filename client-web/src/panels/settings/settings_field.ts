@@ -20,6 +20,8 @@ export interface FieldHooks {
   invalid(message: string): void;
   /** What the reset button goes back to, where that is not the table's default. */
   preset?(): SettingValue;
+  /** Ids of what else is said of it. */
+  readonly describedBy?: string;
 }
 
 /** The parts of a control: `inline` stands beside the label, `below` under it. */
@@ -74,7 +76,7 @@ export class SettingField {
     this.show_ = built.show;
     this.control_ = built.control;
     this.focus_ = built.focus ?? (() => built.control.focus());
-    this.control_.setAttribute('aria-describedby', `${id}-help ${id}-error ${id}-note`);
+    this.control_.setAttribute('aria-describedby', `${id}-help ${id}-error ${id}-note ${hooks.describedBy ?? ''}`.trim());
     const head = el(
       'div',
       { class: 'field-head' },

@@ -10,6 +10,7 @@ import { RESOLUTION_MODES, sizeText, type ResolutionMode } from '../../picture/r
 import { matches, presetOf, presetValues } from './presets.js';
 import { SettingField } from './settings_field.js';
 import { SettingsTools } from './settings_tools.js';
+import { showField, viewerField, type OtherPanel } from './viewer_field.js';
 import { recall, remember } from '../../page/storage.js';
 import type { Viewer } from '../../viewer.js';
 import './settings_panel.css';
@@ -17,7 +18,6 @@ import './settings_panel.css';
 /** Titles of the groups of rows that the server names, in their order. */
 const TITLES: Readonly<Record<string, string>> = {
   picture: 'Picture',
-  effects: 'Effects',
   renderer: 'Renderer',
   hybrid: 'Hybrid',
 };
@@ -43,13 +43,6 @@ const FIELD_OF_VIEW_ROW: SettingRow = {
 
 const DEFAULT_RESOLUTION: ResolutionMode = 'capped';
 
-/** Another panel that has rows of the server's table, and none of them stands twice. */
-export interface OtherPanel {
-  readonly title: string;
-  has(row: SettingRow): boolean;
-  open(name: string): void;
-}
-
 export class SettingsPanel {
   private readonly fields_ = new Map<string, SettingField>();
   private readonly tools_: SettingsTools;
@@ -63,18 +56,16 @@ export class SettingsPanel {
   constructor(
     private readonly panel_: Panel,
     private readonly viewer_: Viewer,
-    private readonly other_: OtherPanel,
+    private readonly others_: readonly OtherPanel[],
   ) {
     const start = (row: SettingRow): SettingValue => viewer_.settings.default(row);
     this.tools_ = new SettingsTools(
       (preset) => viewer_.setSettings(presetValues(preset, viewer_.settings.rows, start)),
       () => this.filter(),
-      (row) => other_.open(row.name),
     );
     panel_.body.append(el('p', { class: 'muted' }, 'The settings appear when the server answers.'));
     viewer_.on(['hello'], () => this.build());
     viewer_.on(['settings'], () => this.refresh());
-    viewer_.on(['scene'], () => this.noteEffects());
     viewer_.on(['camera'], () => this.refreshCamera());
     viewer_.on(['resolution'], () => this.refreshResolution());
     viewer_.on(['watching'], () => this.refreshDriver());
@@ -82,7 +73,7 @@ export class SettingsPanel {
 
   private build(): void {
     const schema = this.viewer_.state.hello?.schema ?? [];
-    const rows = this.viewer_.settings.rows.filter((row) => !this.other_.has(row));
+    const rows = this.viewer_.settings.rows.filter((row) => this.panelOf(row) === undefined);
     this.fields_.clear();
     this.fieldOfViewRow_ = { ...FIELD_OF_VIEW_ROW, ...schema.find((row) => row.name === FIELD_OF_VIEW_ROW.name) };
     const own: Readonly<Record<string, () => readonly HTMLElement[]>> = {
@@ -103,7 +94,6 @@ export class SettingsPanel {
       el('div', { class: 'row-of-buttons' }, this.undoButton(), this.resetButton()),
     );
     this.refresh();
-    this.noteEffects();
     this.refreshCamera();
     this.refreshResolution();
     this.refreshDriver();
@@ -126,18 +116,14 @@ export class SettingsPanel {
   }
 
   private field(row: SettingRow): SettingField {
-    const field = new SettingField(row, {
-      changed: (value) => this.viewer_.setSettings({ [row.name]: value }),
-      preset: () => this.viewer_.settings.default(row),
-      invalid: (message) => {
-        this.viewer_.settings.reject(row.name, message);
-        this.refresh();
-      },
-    });
-    // The switch of an effect bears the effect's name; what depends on it is indented.
-    if (row.effect !== '' && row.type !== 'bool') field.element.classList.add('dependent');
+    const field = viewerField(this.viewer_, row, () => this.refresh());
     this.fields_.set(row.name, field);
     return field;
+  }
+
+  /** The other panel in which the row stands. */
+  private panelOf(row: SettingRow): OtherPanel | undefined {
+    return this.others_.find((panel) => panel.has(row));
   }
 
   private cameraField(): HTMLElement {
@@ -202,13 +188,8 @@ export class SettingsPanel {
     if (this.undo_ !== null) this.undo_.setAttribute('aria-disabled', String(this.viewer_.undo.size === 0));
     for (const row of model.rows) {
       const field = this.fields_.get(row.name);
-      const value = model.value(row.name);
-      if (field === undefined || value === undefined) continue;
-      field.show(value, model.isDefault(row));
-      field.setError(model.error(row.name));
-      const switchedOff = row.effect !== '' && row.type !== 'bool' && model.value(row.effect) === false;
-      field.element.classList.toggle('idle', switchedOff);
-      field.setDisabled(!this.viewer_.watching.maySet([row.name]));
+      if (field === undefined) continue;
+      showField(this.viewer_, row, field);
       if (row.group === 'hybrid') this.refreshHybrid(row, field);
     }
     this.filter();
@@ -224,8 +205,11 @@ export class SettingsPanel {
     for (const row of model.rows) this.fields_.get(row.name)?.element.toggleAttribute('hidden', !fits(row));
     for (const own of this.panel_.body.querySelectorAll('[data-setting=fieldOfView], [data-setting=resolution]'))
       own.toggleAttribute('hidden', onlyDiffering || !(own.textContent ?? '').toLowerCase().includes(search.toLowerCase()));
-    const elsewhere = filters ? model.rows.filter((row) => this.other_.has(row) && fits(row)) : [];
-    this.tools_.showElsewhere(this.other_.title, elsewhere);
+    const elsewhere = filters ? model.rows.filter(fits).flatMap((row) => {
+      const panel = this.panelOf(row);
+      return panel === undefined ? [] : [[panel, row] as const];
+    }) : [];
+    this.tools_.showElsewhere(elsewhere);
     const shown = this.panel_.body.querySelectorAll('.field:not([hidden])').length + elsewhere.length;
     for (const group of this.panel_.body.querySelectorAll('details')) {
       group.hidden = group.querySelector('.field:not([hidden])') === null;
@@ -247,16 +231,6 @@ export class SettingsPanel {
     field.setNote(reason);
     field.element.classList.toggle('idle', reason !== null);
     if (row.name === 'hybridShare' && reason !== null) field.setDisabled(true);
-  }
-
-  private noteEffects(): void {
-    const effects = this.viewer_.state.ready?.effects ?? [];
-    for (const row of this.viewer_.settings.rows) {
-      if (row.effect === '' || row.type !== 'bool') continue;
-      const reason = effects.find((effect) => effect.name === row.effect);
-      const idle = reason !== undefined && !reason.calledFor && !reason.choice;
-      this.fields_.get(row.name)?.setNote(idle ? `No use in this scene: ${reason.because}` : null);
-    }
   }
 
   private refreshCamera(): void {

@@ -3,6 +3,7 @@
 import { el, setText } from '../../page/dom.js';
 import type { SettingRow } from '../../wire/protocol.js';
 import { PRESETS, type Preset } from './presets.js';
+import { elsewhere, type OtherPanel } from './viewer_field.js';
 
 export class SettingsTools {
   readonly element: HTMLElement;
@@ -18,7 +19,6 @@ export class SettingsTools {
   constructor(
     choose: (preset: Preset) => void,
     filtered: () => void,
-    private readonly open_: (row: SettingRow) => void,
   ) {
     this.presets_.append(...PRESETS.map(({ name, label }) => el('option', { value: name }, label)), this.own_);
     this.presets_.addEventListener('change', () => {
@@ -48,14 +48,14 @@ export class SettingsTools {
     return this.differing_.getAttribute('aria-pressed') === 'true';
   }
 
-  /** Rows that are meant and stand in the panel `title`, as buttons that lead there. */
-  showElsewhere(title: string, rows: readonly SettingRow[]): void {
-    const names = rows.map(({ name }) => name).join();
+  /** Rows that are meant and stand in other panels, as buttons that lead there. */
+  showElsewhere(rows: readonly (readonly [OtherPanel, SettingRow])[]): void {
+    const names = rows.map(([, { name }]) => name).join();
     if (names === this.elsewhereNames_) return;
     this.elsewhereNames_ = names;
-    const buttons = rows.map((row) => {
-      const button = el('button', { type: 'button', class: 'wide-button' }, `${row.label}: in the panel ${title}`);
-      button.addEventListener('click', () => this.open_(row));
+    const buttons = rows.map(([panel, row]) => {
+      const button = el('button', { type: 'button', class: 'wide-button' }, elsewhere(panel, row));
+      button.addEventListener('click', () => panel.open(row.name));
       return button;
     });
     this.elsewhere_.replaceChildren(...buttons);
