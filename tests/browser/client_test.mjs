@@ -1,12 +1,13 @@
 // The page in Chromium against a real server: what a visitor does, from the first picture to a server that dies and
 // comes back. HELIOGRAPH_BINARY names the server (default build/release/heliograph), HELIOGRAPH_CHROMIUM the browser.
-// Then the stream (stream_test.mjs), two pages at one view (watch_test.mjs), and what a real server seldom does, against the fake one (fake_test.mjs). Writes screenshots to out/browser.
+// Then the same in short in Firefox (firefox_test.mjs), the stream (stream_test.mjs), two pages at one view (watch_test.mjs), and what a real server seldom does, against the fake one (fake_test.mjs). Writes screenshots to out/browser.
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { effectChecks } from './effects_test.mjs';
 import { fakeChecks } from './fake_test.mjs';
 import { doorChecks } from './door_test.mjs';
+import { firefoxChecks } from './firefox_test.mjs';
 import { keyChecks } from './keys_test.mjs';
 import { lightChecks } from './light_test.mjs';
 import { linkChecks } from './link_test.mjs';
@@ -399,6 +400,7 @@ try {
 } finally {
   await browser.stop();
   await server.kill();
+  await firefoxChecks(checks);
   await streamChecks(checks);
   await watchChecks(checks);
   await resumeChecks(checks);

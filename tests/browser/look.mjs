@@ -1,5 +1,6 @@
 // What a person would see of the page, as figures.
 
+import { readFileSync } from 'node:fs';
 import { expect } from './page.mjs';
 
 /** Mean and spread (0..255) of the picture on the canvas, and a coarse copy of it to compare. */
@@ -20,6 +21,33 @@ export const picture = (page) =>
 /** Mean difference of two pictures, 0..255. */
 export const difference = (a, b) =>
   a.values.reduce((sum, value, i) => sum + Math.abs(value - b.values[i]), 0) / a.values.length;
+
+/** Pixels of the canvas that differ from those of a PNG file, and how many there are. */
+export const compared = (page, png) =>
+  page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const options = { colorSpaceConversion: 'none', premultiplyAlpha: 'none' };
+    const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }), options);
+    const canvas = document.querySelector('body > canvas');
+    const pixelsOf = (source) => {
+      const copy = new OffscreenCanvas(source.width, source.height);
+      const context = copy.getContext('2d');
+      context.drawImage(source, 0, 0);
+      return context.getImageData(0, 0, source.width, source.height).data;
+    };
+    const [shown, saved] = [pixelsOf(canvas), pixelsOf(image)];
+    let different = 0;
+    for (let i = 0; i < saved.length; i += 4)
+      different += shown[i] !== saved[i] || shown[i + 1] !== saved[i + 1] || shown[i + 2] !== saved[i + 2];
+    return { different, pixels: saved.length / 4, same: shown.length === saved.length };
+  }, png.toString('base64'));
+
+/** The picture that F3 saves. */
+export async function savedPicture(page) {
+  const download = page.waitForEvent('download');
+  await page.keyboard.press('F3');
+  return readFileSync(await (await download).path());
+}
 
 /** Text and box of every visible control that has no name or lies outside the window. */
 export const badControls = (page) =>

@@ -1,21 +1,21 @@
 // Starts a server and a browser for the tests, and reports checks one a line.
 
 import { spawn } from 'node:child_process';
-import { mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { accessSync, constants, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
 import { get } from 'node:http';
 import { createRequire } from 'node:module';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
-import { dirname, join, resolve } from 'node:path';
+import { delimiter, dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 export const root = join(dirname(fileURLToPath(import.meta.url)), '../..');
-const { chromium } = createRequire(join(root, 'client-web/package.json'))('playwright-core');
+const { chromium, firefox } = createRequire(join(root, 'client-web/package.json'))('playwright-core');
 
 export const outFolder = join(root, 'out/browser');
 mkdirSync(outFolder, { recursive: true });
 
-const BROWSER_ARGUMENTS = [
+const CHROMIUM_ARGUMENTS = [
   '--no-sandbox',
   '--disable-gpu',
   '--disable-quic',
@@ -24,6 +24,40 @@ const BROWSER_ARGUMENTS = [
   '--disable-component-update',
   '--disable-sync',
 ];
+
+const runnable = (path) => {
+  try {
+    accessSync(path, constants.X_OK);
+    return true;
+  } catch {
+    return false;
+  }
+};
+
+/** A program in the folders of PATH, or undefined. */
+const onPath = (name) =>
+  (process.env.PATH ?? '').split(delimiter).filter(Boolean).map((folder) => join(folder, name)).find(runnable);
+
+/** How each browser is started. Firefox is the system's own, driven by WebDriver BiDi; it may be missing. */
+const ENGINES = {
+  chromium: {
+    type: chromium,
+    path: () => process.env.HELIOGRAPH_CHROMIUM ?? '/usr/bin/chromium',
+    options: { args: CHROMIUM_ARGUMENTS },
+  },
+  firefox: {
+    type: firefox,
+    path: () => process.env.HELIOGRAPH_FIREFOX ?? onPath('firefox') ?? onPath('firefox-esr'),
+    // Its list of downloads would take the focus from the page.
+    options: { channel: 'moz-firefox', firefoxUserPrefs: { 'browser.download.alwaysOpenPanel': false } },
+  },
+};
+
+/** Where Firefox is installed, or undefined. */
+export const firefoxPath = () => ENGINES.firefox.path();
+
+/** Playwright's own empty style for a screenshot in Firefox, by its hash: the page's policy forbids it. */
+const SCREENSHOT_STYLE = 'sha256-YjaKGiklmzC6wjXA513HAMmzus8VE61XCOT+SmwNZWA=';
 
 export const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
@@ -120,13 +154,17 @@ export class Browser {
   problems = [];
   expectDisconnect = false; // while true, failing to reach the server is no problem
 
+  constructor(engine = 'chromium') {
+    this.engine = ENGINES[engine];
+  }
+
   async start(viewport, options = {}) {
     this.profile = mkdtempSync(join(tmpdir(), 'heliograph-browser-'));
-    this.context = await chromium.launchPersistentContext(this.profile, {
+    this.context = await this.engine.type.launchPersistentContext(this.profile, {
+      ...this.engine.options,
       colorScheme: 'dark', // as the pictures of the documentation; the contrast checks look at both
-      executablePath: process.env.HELIOGRAPH_CHROMIUM ?? '/usr/bin/chromium',
+      executablePath: this.engine.path(),
       headless: true,
-      args: BROWSER_ARGUMENTS,
       viewport,
       acceptDownloads: true,
       ...options,
@@ -147,7 +185,7 @@ export class Browser {
 
   problem(text) {
     const disconnect = /ERR_CONNECTION_REFUSED|WebSocket connection to .* failed|ERR_CONNECTION_RESET|\/ws$|status of \d+/.test(text);
-    if (this.expectDisconnect && disconnect) return;
+    if ((this.expectDisconnect && disconnect) || text.includes(SCREENSHOT_STYLE)) return;
     if (this.problems.length < 20 && !this.problems.includes(text)) this.problems.push(text);
   }
 

@@ -6,6 +6,7 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Line, LINES } from '../load/line.mjs';
 import { codecChecks } from './codec_checks.mjs';
+import { compared, savedPicture } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, unfoldFor, until } from './page.mjs';
 
 const SIZE = { width: 1100, height: 700 };
@@ -27,32 +28,6 @@ async function set(page, name, value) {
     await field.locator('.number-field').press('Enter');
   }
   await until(`the echo of ${name}`, 10_000, async () => (await stateOf(page)).settings[name] === value);
-}
-
-/** Pixels of the canvas that differ from those of a PNG file, and how many there are. */
-const compared = (page, png) =>
-  page.evaluate(async (base64) => {
-    const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
-    const options = { colorSpaceConversion: 'none', premultiplyAlpha: 'none' };
-    const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }), options);
-    const canvas = document.querySelector('body > canvas');
-    const pixelsOf = (source) => {
-      const copy = new OffscreenCanvas(source.width, source.height);
-      const context = copy.getContext('2d');
-      context.drawImage(source, 0, 0);
-      return context.getImageData(0, 0, source.width, source.height).data;
-    };
-    const [shown, saved] = [pixelsOf(canvas), pixelsOf(image)];
-    let different = 0;
-    for (let i = 0; i < saved.length; i += 4)
-      different += shown[i] !== saved[i] || shown[i + 1] !== saved[i + 1] || shown[i + 2] !== saved[i + 2];
-    return { different, pixels: saved.length / 4, same: shown.length === saved.length };
-  }, png.toString('base64'));
-
-async function savedPicture(page) {
-  const download = page.waitForEvent('download');
-  await page.keyboard.press('F3');
-  return readFileSync(await (await download).path());
 }
 
 async function drag(page, steps) {
