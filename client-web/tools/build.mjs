@@ -21,6 +21,7 @@ const { metafile } = await build({
   format: 'esm',
   target: 'es2021',
   minify: true,
+  mangleProps: /[a-z]_$/, // private members, which nothing names from outside
   legalComments: 'none',
   metafile: true,
 });
