@@ -182,6 +182,27 @@ async function costs(checks, session) {
   });
 }
 
+async function anotherScene(checks, session) {
+  const { page } = session;
+  const { effect } = parts(session);
+  await checks.check('a scene that calls for other effects keeps what is unfolded, and the focus', async () => {
+    await unfoldFor(page, 'shadowSamples');
+    await session.field('shadowSamples').locator('.number-field').focus();
+    await session.ask('/control?idle=reflections');
+    await page.evaluate(() => (location.hash = '#scene=courtyard'));
+    await session.shown('courtyard');
+    await until('reflections of no use', 5000, () => effect('reflections').evaluate((row) => row.closest('.idle-effects') !== null));
+    expect((await focusedSetting(page)) === 'shadowSamples', `the focus is at ${await focusedSetting(page)}`);
+    expect(await session.field('shadowSamples').isVisible(), 'it is folded again');
+    expect(!(await effect('reflections').isVisible()), 'what is of no use is unfolded');
+    await session.ask('/control?idle=');
+    await page.evaluate(() => (location.hash = '#scene=cornell'));
+    await session.shown('cornell');
+    await until('reflections of use', 5000, () => effect('reflections').isVisible());
+    expect((await focusedSetting(page)) === 'shadowSamples', `the focus is at ${await focusedSetting(page)}`);
+  });
+}
+
 async function unfolded(checks, session) {
   const { page } = session;
   for (const [width, height] of [[1440, 900], [390, 844]]) {
@@ -205,6 +226,7 @@ export async function effectChecks(checks) {
     await reasons(checks, session);
     await onePlace(checks, session);
     await switching(checks, session);
+    await anotherScene(checks, session);
     await leading(checks, session);
     await costs(checks, session);
     await unfolded(checks, session);

@@ -70,15 +70,16 @@ const NOT_CALLED_FOR = {
   instancing: 'every mesh stands in one place',
 };
 
-/** The effects of the real table as a scene would call for them. */
-export function effects() {
+/** The effects of the real table as a scene would call for them; `idle`: the name of one more that it has no use for. */
+export function effects(idle = '') {
   const text = readFileSync(join(kernel, 'effect_table.glsl'), 'utf8');
   const table = [...text.matchAll(/^EFFECT\((.*)\)$/gm)].map((m) => {
     const [, , name, setting, , , rule, , help] = words(m[1]);
+    const unused = name === idle || name in NOT_CALLED_FOR;
     const because = NOT_CALLED_FOR[name] ?? '3 materials (brass, marble, ...), 1,204 triangles';
     const given = setting === 'none' ? '' : setting;
     const choice = rule === 'anywhere' || rule === 'onLitSurfaces' || rule === 'path';
-    return { name, calledFor: !choice && !(name in NOT_CALLED_FOR), choice, because, help, setting: given, simulated: true };
+    return { name, calledFor: !choice && !unused, choice, because, help, setting: given, simulated: true };
   });
   const atRest = { because: '2 animations (walk, run); shown at rest', help: 'Objects that move in time.' };
   return [...table, { name: 'animation', calledFor: true, simulated: false, ...atRest }];

@@ -23,7 +23,7 @@ const omitted = (process.env.HELIOGRAPH_FAKE_OMIT ?? '').split(',');
 const SCHEMA = schema(omitted);
 
 /** What the tests change by /control?name=value, and what viewers said, which /received answers and forgets. */
-const control = { partition: 'on', costs: 'ready', given: '', refuse: '', why: '' };
+const control = { partition: 'on', costs: 'ready', given: '', refuse: '', why: '', idle: '' };
 let received = [];
 
 const SCENES = [
@@ -131,7 +131,7 @@ class FakeViewer {
       triangles: 66454,
       instances: 12,
       lights: 1,
-      effects: effects(),
+      effects: effects(control.idle),
       warnings:
         name === 'courtyard'
           ? [
