@@ -88,7 +88,7 @@ async function panels(checks, page) {
     const after = await picture(page);
     expect(after.mean > before.mean + 5, `mean ${before.mean} before, ${after.mean} after +1.5 stops`);
   });
-  await checks.check('Firefox: panels open, and every control is named, inside and not covered', async () => {
+  await checks.check('Firefox: panels open, controls are named, inside and not covered, and flying presses none', async () => {
     const dock = (label) => page.locator('.dock').getByRole('button', { name: label });
     await dock('Effects').click();
     const input = page.locator('#effects-panel [data-setting="shadows"] input');
@@ -100,6 +100,18 @@ async function panels(checks, page) {
     expect(bad.length === 0, bad.join('\n'));
     await page.keyboard.press('Escape');
     expect((await page.evaluate(() => document.activeElement.tagName)) === 'CANVAS', 'Escape does not lead to the picture');
+    await dock('Stats').focus();
+    const pressed = () => dock('Stats').getAttribute('aria-pressed');
+    const before = await pressed();
+    await page.keyboard.down('w');
+    for (const key of ['Space', 'Enter']) {
+      await page.keyboard.press(key);
+      expect((await pressed()) === before, `pressed by ${key} while flying`);
+    }
+    await page.keyboard.up('w');
+    await page.keyboard.press('Enter');
+    expect((await pressed()) !== before, 'Enter alone does not press');
+    await page.locator('body > canvas').focus();
     await page.keyboard.press('h');
     expect(await page.locator('dialog.help').isVisible(), 'no help');
     await page.keyboard.press('h');

@@ -54,8 +54,10 @@ async function buttons(checks, session) {
     await page.keyboard.down('w');
     await page.keyboard.press('Space');
     expect((await pressed(page, 'Stats')) === before, 'pressed by Space while flying');
-    await page.keyboard.press('Enter');
-    expect((await pressed(page, 'Stats')) === before, 'pressed by Enter while flying');
+    for (const key of ['Enter', 'NumpadEnter']) {
+      await page.keyboard.press(key);
+      expect((await pressed(page, 'Stats')) === before, `pressed by ${key} while flying`);
+    }
     await page.keyboard.up('w');
     await page.keyboard.press('Space');
     expect((await pressed(page, 'Stats')) !== before, 'not pressed by Space alone');

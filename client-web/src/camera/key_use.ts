@@ -39,6 +39,7 @@ export interface KeyPress {
 export type KeyUse = 'page' | 'flight' | 'control';
 
 const isFunctionKey = (code: string): boolean => /^F\d+$/.test(code);
+const isEnter = (code: string): boolean => code === 'Enter' || code === 'NumpadEnter';
 const isArrow = (code: string): boolean => code.startsWith('Arrow');
 
 /** Whether the focused control wants the key. While flying, Space and Enter do not press the last button. */
@@ -52,7 +53,7 @@ function wantedByControl({ code, control, flying }: KeyPress): boolean {
     case 'slider':
       return (code === 'Space' && !flying) || isArrow(code);
     case 'button':
-      return (code === 'Space' || code === 'Enter') && !flying;
+      return (code === 'Space' || isEnter(code)) && !flying;
   }
 }
 
@@ -65,5 +66,5 @@ export function keyUse(press: KeyPress): KeyUse {
   if (isFunctionKey(press.code)) return 'page';
   if (wantedByControl(press)) return 'control';
   if (HELD_KEYS[press.code] !== undefined) return 'flight';
-  return press.flying && press.code === 'Enter' ? 'flight' : 'page';
+  return press.flying && isEnter(press.code) ? 'flight' : 'page';
 }

@@ -18,7 +18,7 @@ test('on the picture keys fly or are shortcuts of the page', () => {
 });
 
 test('a button has Space and Enter, unless another key flies', () => {
-  for (const code of ['Space', 'Enter']) {
+  for (const code of ['Space', 'Enter', 'NumpadEnter']) {
     assert.equal(keyUse(press(code, { control: 'button' })), 'control');
     assert.equal(keyUse(press(code, { control: 'button', flying: true })), 'flight');
   }

@@ -40,7 +40,6 @@ export class EffectsPanel {
     panel_.body.append(this.button_, this.progress_, this.error_, this.remark_, this.lists_);
     viewer_.on(['scene', 'hello', 'settings', 'stats', 'watching'], () => this.refresh());
     viewer_.on(['effectCosts', 'connection'], () => this.refreshCosts());
-    panel_.onToggle(() => this.refresh());
     this.refreshCosts();
   }
 
@@ -65,7 +64,6 @@ export class EffectsPanel {
     const can = this.items_.filter(({ row }) => possible(row));
     const on = can.filter(({ row }) => this.allowed(row)).length;
     setText(this.panel_.summary, effects.length === 0 ? 'no scene yet' : `${on} of ${can.length} on`);
-    if (!this.panel_.isOpen) return;
     const rays = this.viewer_.state.stats?.rays ?? null;
     const { state } = this.viewer_.effectCosts;
     const costs = state.name === 'ready' ? state.costs.rows : [];
