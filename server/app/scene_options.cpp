@@ -58,6 +58,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& options) {
     command.add_option("--set", options.settings, "Change a setting of the list below; may be given several times")
         ->type_name("KEY=VALUE")
         ->expected(1)
+        ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 

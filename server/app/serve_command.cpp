@@ -81,7 +81,7 @@ void addFlag(CLI::App& command, const OptionRow& row, std::vector<std::string>& 
         command.add_flag(name, values, std::string(row.help));
         return;
     }
-    CLI::Option* option = command.add_option(name, values, std::string(row.help))->expected(1);
+    CLI::Option* option = command.add_option(name, values, std::string(row.help))->expected(1)->allow_extra_args(false);
     if (row.isList()) option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     if (row.name != "scene") option->type_name(std::string(row.type));
     const std::string usual = tomlValue(row, {});

@@ -54,7 +54,10 @@ void describe(CLI::App& app, Options& o) {
     app.add_option("--seed", o.plan.seed, "Of the random walks, settings and stalls")->capture_default_str();
     app.add_option("--token-file", o.tokenFile, "File with the server's secret");
     app.add_flag("--trust-any-certificate", o.plan.trustAnyCertificate, "Take a self-signed certificate");
-    app.add_option("--require", o.requirements, "FIGURE<=NUMBER, may be repeated: p95_ms<=80, errors==0, fps_min>=5 ...");
+    app.add_option("--require", o.requirements, "FIGURE<=NUMBER, may be repeated: p95_ms<=80, errors==0, fps_min>=5 ...")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_flag("--json", o.json, "Print JSON");
     app.add_option("--csv", o.csv, "Write one line a viewer to this file");
     app.add_option("--junit", o.junit, "Write the requirements as test cases to this file");
