@@ -8,7 +8,7 @@ import { badControls, lowContrast, overlaps } from './look.mjs';
 import { Checks, expect, unfoldFor, until } from './page.mjs';
 
 const DESKTOP = { width: 1440, height: 900 };
-const OF_EFFECTS = schema([]).filter(({ effect }) => effect !== '' && effect !== 'sun');
+const OF_EFFECTS = schema([]).filter(({ effect }) => effect !== '' && !['sun', 'ground'].includes(effect));
 
 const parts = (session) => {
   const panel = session.page.locator('#effects-panel');
@@ -65,11 +65,13 @@ async function onePlace(checks, session) {
     expect((await shared.locator('input').count()) === 0, 'a second switch of the shadows');
     expect((await shared.evaluate((row) => row.textContent)).includes('with Shadows'), 'it does not say with which');
   });
-  await checks.check('the sun is led to, where it stands in the panel Light', async () => {
-    await effect('sun').getByRole('button', { name: 'Sun: in the panel Light' }).click();
-    expect((await focusedSetting(page)) === 'sun', `the focus is at ${await focusedSetting(page)}`);
-    expect((await session.field('sun').count()) === 1, 'the sun stands twice');
-    await dock(session, 'Light').click();
+  await checks.check('sun and ground are led to, where they stand in the panel Light', async () => {
+    for (const [name, label] of [['sun', 'Sun'], ['ground', 'Ground']]) {
+      await effect(name).getByRole('button', { name: `${label}: in the panel Light` }).click();
+      expect((await focusedSetting(page)) === name, `the focus is at ${await focusedSetting(page)}`);
+      expect((await session.field(name).count()) === 1, `${name} stands twice`);
+      await dock(session, 'Light').click();
+    }
   });
 }
 
