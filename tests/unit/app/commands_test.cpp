@@ -312,8 +312,8 @@ TEST_F(CommandsTest, ServePrintsItsConfiguration) {
     EXPECT_THAT(printed.out, HasSubstr("insecure = true  # --insecure\n"));
     EXPECT_THAT(printed.out, HasSubstr("samples = \"3\"  # --set\n"));
     // An option with a value takes one word, so that SCENE may come after it.
-    const Outcome behind = run({"serve", "--print-config", "--max-viewers", "7", "--listen", "127.0.0.1:0", "--set", "samples=3",
-                                "--set", "maxReflections=1", "cornell"});
+    const Outcome behind = run({"serve", "--print-config", "--max-viewers", "7", "--listen", "127.0.0.1:0", "--set",
+                                "samples=3", "--set", "maxReflections=1", "cornell"});
     EXPECT_EQ(behind.code, 0) << behind.err;
     EXPECT_THAT(behind.out, HasSubstr("scene = \"cornell\"  # SCENE\n"));
     EXPECT_THAT(behind.out, HasSubstr("maxReflections = \"1\"  # --set\n"));
