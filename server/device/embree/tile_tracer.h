@@ -281,8 +281,13 @@ private:
         gatherLight(g, path, a);
     }
 
-    // Queues the rays to the lights and into the hemisphere.
+    // Queues the rays to the lights and into the hemisphere. Where two stages do it, they share the code.
     HELIOGRAPH_INLINE void gatherLight(const Group& g, const Path& path, const Arrival& a) {
+        if constexpr ((EFFECTS & EFFECT_GROUND) != 0) queueLight(g, path, a);
+        else queueLightHere(g, path, a);
+    }
+    [[gnu::noinline]] void queueLight(const Group& g, const Path& path, const Arrival& a) { queueLightHere(g, path, a); }
+    HELIOGRAPH_INLINE void queueLightHere(const Group& g, const Path& path, const Arrival& a) {
         const Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
         if (uint32_t bits = laneBits(a.occlusion) & g.mask()) occlusion_.push(g, bits, path, a);
         for (uint32_t l = 0; l < kernel_.allLights(); l++) {
