@@ -18,26 +18,9 @@ constexpr uint64_t WALK_EFFECTS = EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND | EFFE
 
 using WalkKernel = scalar_kernel::Kernel<WALK_EFFECTS>;
 
-// What the walk asks of a surface. Flattened: in one piece, what is not taken over is not computed.
-[[gnu::flatten]] WalkKernel::Surface surfaceMet(WalkKernel& kernel, vec3 origin, vec3 direction, Hit hit) {
-    const WalkKernel::Surface all = kernel.surfaceAt(origin, direction, 0.0f, 0.0f, hit);
-    WalkKernel::Surface met;
-    met.position = all.position;
-    met.distance = all.distance;
-    met.clearance = all.clearance;
-    met.geometricNormal = all.geometricNormal;
-    met.material = all.material;
-    met.normal = all.normal;
-    met.side = all.side;
-    met.footprint = all.footprint;
-    met.ellipse = all.ellipse;
-    met.uv0 = all.uv0;
-    met.uv1 = all.uv1;
-    met.color = all.color;
-    return met;
-}
-
-vec3 walk(const TileJob& job, WalkKernel& kernel, vec3 from, vec3 direction, float left, uint32_t media, uint64_t& rays) {
+// Flattened: in one piece, what the walk does not ask of a surface is not computed.
+[[gnu::flatten]] vec3 walk(const TileJob& job, WalkKernel& kernel, vec3 from, vec3 direction, float left, uint32_t media,
+                           uint64_t& rays) {
     vec3 through(1.0f);
     for (uint32_t step = 0; step < WalkKernel::MAX_SHADOW_SURFACES; step++) {
         RTCRayHit16 packet;
@@ -46,7 +29,7 @@ vec3 walk(const TileJob& job, WalkKernel& kernel, vec3 from, vec3 direction, flo
         rays++;
         Hit hit = EmbreeScene::hitOf(packet.hit.geomID[0], packet.hit.primID[0], packet.hit.instID[0][0]);
         if (hit.instance == NO_INDEX) return through * kernel.mediaToLight(media, left);
-        const auto surface = surfaceMet(kernel, from, direction, hit);
+        auto surface = kernel.surfaceAt(from, direction, 0.0f, 0.0f, hit);
         through = through * kernel.mediaThrough(surface, direction, media);
         if (!(kernel.maxComponent(through) > 0.0f)) return vec3(0.0f);
         left -= surface.distance;
