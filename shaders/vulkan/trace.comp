@@ -36,7 +36,7 @@ vec3 transmittance(Ray ray, uint media) {
     vec3 origin = ray.origin;
     float left = ray.tMax;
     vec3 through = vec3(1.0f);
-    for (uint i = 0u; i < MAX_SHADOW_SURFACES; i++) {
+    for (uint i = 0u; i <= MAX_SHADOW_SURFACES; i++) {
         Hit hit;
         traverse(origin, ray.direction, left, TRACE_TRANSPARENT, hit);
         shadowRays++;

@@ -1,3 +1,4 @@
+#include "server/kernel/kernel.h"
 #include "tests/image/picture.h"
 
 #include <gtest/gtest.h>
@@ -75,6 +76,12 @@ TEST(TransparentShadow, ManyPanesAreAllCounted) {
     EXPECT_NEAR(light.x, std::pow(0.9, 12.0), 1e-5);
     EXPECT_NEAR(light.y, std::pow(0.5, 12.0), 1e-6);
     EXPECT_NEAR(light.z, 1.0, 1e-5);
+}
+
+TEST(TransparentShadow, SurfacesBeyondTheLimitAreOpaque) {
+    constexpr uint32_t MOST = scalar_kernel::Kernel<0>::MAX_SHADOW_SURFACES;
+    EXPECT_NEAR(lightUnder(std::vector<Material>(MOST, tinted(vec3(0.99f)))).x, std::pow(0.99, MOST), 1e-5);
+    EXPECT_EQ(lightUnder(std::vector<Material>(MOST + 1, tinted(vec3(0.99f)))), vec3(0.0f));
 }
 
 TEST(TransparentShadow, AnOpaqueSheetAmongThemBlocksAll) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <complex>
+
 namespace heliograph::TEST_FILE {
 namespace {
 
@@ -123,6 +125,40 @@ TEST(Fresnel, SchlickRunsFromF0ToWhite) {
         const double exact = 0.04 + 0.96 * std::pow(1.0 - c, 5.0);
         EXPECT_NEAR(kernel.fresnelSchlick(f0, 1.0f, c).x, exact, 3e-7);
     }
+}
+
+// Unpolarised, of a conductor. Born & Wolf, Principles of Optics (7th ed. 1999), 14.2.
+double exactMetal(double c, double n, double k) {
+    const std::complex<double> eta(n, k), t = std::sqrt(eta * eta - (1.0 - c * c));
+    return 0.5 * (std::norm((c - t) / (c + t)) + std::norm((eta * eta * c - t) / (eta * eta * c + t)));
+}
+
+// What Schlick's formula is off by: of plastics and stones between 1.45 and 1.6, and of metals by their index at red (iron) or green.
+TEST(Fresnel, SchlickLiesNearTheExactReflectance) {
+    const auto worst = [](double f0, const auto& exact) {
+        double most = 0.0;
+        for (int i = 1; i <= 1000; i++) {
+            const double c = i / 1000.0;
+            most = std::max(most,
+                            std::abs(kernel.fresnelSchlick(vec3(float(f0)), 1.0f, float(c)).x - static_cast<double>(exact(c))));
+        }
+        return most;
+    };
+    for (const auto& [ior, bound] : {std::pair(1.45, 0.040), {1.5, 0.036}, {1.6, 0.032}, {2.0, 0.045}, {2.4, 0.075}})
+        EXPECT_NEAR(worst(std::pow((ior - 1) / (ior + 1), 2.0), [&](double c) { return exactFresnel(c, 1 / ior).reflectance; }),
+                    bound, 0.001)
+            << ior;
+    struct Metal {
+        const char* name;
+        double n, k, bound;
+    };
+    for (const Metal& m : {Metal{"gold", 0.143, 3.983, 0.016},
+                           {"silver", 0.155, 4.828, 0.018},
+                           {"copper", 1.10, 2.44, 0.034},
+                           {"aluminium", 1.10, 6.79, 0.102},
+                           {"iron", 2.91, 3.09, 0.178}})
+        EXPECT_NEAR(worst(exactMetal(1.0, m.n, m.k), [&](double c) { return exactMetal(c, m.n, m.k); }), m.bound, 0.001)
+            << m.name;
 }
 
 TEST(Fresnel, KeepsItsDigitsAboutTheCriticalAngle) {

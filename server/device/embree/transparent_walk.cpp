@@ -22,7 +22,7 @@ using WalkKernel = scalar_kernel::Kernel<WALK_EFFECTS>;
 [[gnu::flatten]] vec3 walk(const TileJob& job, WalkKernel& kernel, vec3 from, vec3 direction, float left, uint32_t media,
                            uint64_t& rays) {
     vec3 through(1.0f);
-    for (uint32_t step = 0; step < WalkKernel::MAX_SHADOW_SURFACES; step++) {
+    for (uint32_t step = 0; step <= WalkKernel::MAX_SHADOW_SURFACES; step++) {
         RTCRayHit16 packet;
         for (uint32_t i = 0; i < 4; i++) setRay(packet.ray, i, from, direction, left, MASK_TRANSPARENT);  // read by fours
         traceClosest(job.rtcScene, packet, 1, {1, false});
