@@ -23,6 +23,7 @@ async function reasons(checks, session) {
   const { panel, effect } = parts(session);
   await checks.check('effects: what the scene calls for comes first, with reasons and rays', async () => {
     await dock(session, 'Effects').click();
+    await until('effects in the panel', 5000, async () => (await panel.locator('.effect').count()) > 0);
     const names = await panel.locator('.effect').evaluateAll((rows) => rows.map((row) => row.dataset.effect));
     const at = (name) => names.indexOf(name);
     expect(at('shadows') === 0 && at('fog') > at('emission') && at('refractions') > at('fog'), names.join(', '));
