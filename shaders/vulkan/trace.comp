@@ -97,7 +97,7 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
         }
         bool passes = (found & FOUND_TRANSPARENT) != 0u;
         if (!HAS(EFFECT_TRANSPARENT_SHADOWS)) blocked = blocked || passes;  // as if opaque
-        if (blocked && !HAS_LAYER(EFFECT_GROUND)) continue;
+        if (blocked && !(HAS_LAYER(EFFECT_GROUND) && isTaken(r.contribution))) continue;
         vec3 share = blocked ? vec3(0.0f) : vec3(1.0f);
         if (HAS(EFFECT_TRANSPARENT_SHADOWS) && passes && !blocked) share = transmittance(r.ray, a.media);
         radiance = radiance + lightArriving(r.contribution, share);
