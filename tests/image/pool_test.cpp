@@ -37,7 +37,7 @@ struct PooledPicture : ::testing::TestWithParam<const char*> {};
 TEST_P(PooledPicture, HasTheBitsOfALocalOne) {
     const std::shared_ptr<const Scene> scene = openScene(GetParam());
     Settings settings;
-    settings.ambientOcclusion = true;
+    settings.ambientOcclusion = settings.sun = settings.ground = true;
     const std::unique_ptr<Device> local = makeEmbreeDevice();
     const std::vector<vec4> expected = pictureOf(*local, scene, settings);
 
