@@ -70,7 +70,9 @@ export class EffectsPanel {
     const scale = state.name === 'ready' ? state.costs.scale : 1;
     for (const item of this.items_) {
       const cost = costs.find((entry) => entry.name === item.row.name) ?? null;
-      item.show(this.allowed(item.row), effectFigures(item.row, rays, cost, scale));
+      const allowed = this.allowed(item.row);
+      // Rays of the kind that something else shot (ground needs occlusion rays) are not those of what is off.
+      item.show(allowed, effectFigures(item.row, allowed ? rays : null, cost, scale));
     }
   }
 
