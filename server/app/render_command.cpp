@@ -13,7 +13,6 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
-#include "server/film/exposure.h"
 #include "server/film/stats.h"
 #include "server/images/image_module.h"
 #include "server/render/frame_renderer.h"
@@ -136,10 +135,7 @@ public:
         result_.request.previousCamera = previous;
         result_.stats = renderFrame(*device_, result_.request, given_.settings.samples, film_, {}, progress);
         result_.ms.render = result_.stats.milliseconds;
-        result_.exposure = scene_->exposure + given_.settings.exposure;
-        if (exposesPictures(given_.settings))
-            result_.exposure +=
-                meteredExposure(film_, plainBackdrop(*scene_, given_.settings, result_.request.effects)).value_or(0.0f);
+        result_.exposure = shownExposure(film_, *scene_, result_.request);
         target_.write(encoded(film_, target_.format(), given_.settings, result_.exposure, scene_->fromFile), frame);
         return result_;
     }

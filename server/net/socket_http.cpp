@@ -19,6 +19,7 @@ namespace {
 
 constexpr size_t HTTP_PIECE = 32 * 1024;  // bytes of a file written at once
 constexpr unsigned HEADER_BYTES = 4096;   // room for the headers of an answer
+constexpr std::string_view THUMBNAILS = "/thumbnails/";
 
 constexpr std::pair<const char*, const char*> SECURITY_HEADERS[] = {
     {"content-security-policy:",
@@ -156,6 +157,7 @@ int SocketLoop::request(lws* wsi, std::string_view path) {
     auto link = links_.find(wsi);
     if (link != links_.end()) link->second.since = Clock::now();
     if (link != links_.end() && link->second.reserved) return tooManyConnections(wsi);
+    if (path.starts_with(THUMBNAILS)) return thumbnail(wsi, path.substr(THUMBNAILS.size()));
     auto file = options_.files.find(path);
     if (file == options_.files.end()) return answer(wsi, 404, "text/plain", {"not found\n", {}, 0});
     return clientFile(wsi, path, file->second);
@@ -174,6 +176,18 @@ int SocketLoop::clientFile(lws* wsi, std::string_view path, const ClientFile& fi
     }
     if (body.encoding != nullptr) content.headers.emplace_back("content-encoding:", body.encoding);
     return answer(wsi, 200, file.mimeType, std::move(content));
+}
+
+/// 202 as long as it is being made; empty where it cannot be.
+int SocketLoop::thumbnail(lws* wsi, std::string_view scene) {
+    const Bearer bearer = options_.token.empty() ? Bearer::right : bearerOf(wsi, guard_, {options_.token});
+    if (bearer != Bearer::right) return refuseBearer(wsi, guard_, bearer);
+    Thumbnail picture = handler_.thumbnail(scene);
+    if (picture.state == Thumbnail::State::unknown)
+        return answer(wsi, 404, "text/plain", {"no such scene is on offer\n", {}, 0});
+    const bool made = picture.state == Thumbnail::State::there || picture.state == Thumbnail::State::failed;
+    if (!made) return answer(wsi, 202, "text/plain", {"it is being made\n", {}, 0});
+    return answer(wsi, 200, "image/jpeg", {std::move(picture.jpeg), {}, 0});
 }
 
 int SocketLoop::answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content) {

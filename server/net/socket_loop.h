@@ -152,6 +152,7 @@ private:
     std::string guardedAddress(lws* wsi) const;
     int answer(lws* wsi, unsigned status, const std::string& mimeType, Answer content);
     int writeAnswer(lws* wsi);
+    int thumbnail(lws* wsi, std::string_view scene);
     int clientFile(lws* wsi, std::string_view path, const ClientFile& file);
     int upgrade(lws* wsi);
     int whyNot(lws* wsi);

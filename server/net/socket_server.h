@@ -40,6 +40,19 @@ struct SocketOptions : SocketAccess {
     std::shared_ptr<UploadStore> uploads;  // null: viewers bring no files
 };
 
+/// A small picture of a scene.
+struct Thumbnail {
+    enum class State {
+        unknown,  // no such scene is on offer
+        failed,   // it cannot be loaded or rendered
+        unasked,  // nobody has wanted to see it yet
+        coming,
+        there
+    };
+    State state = State::unknown;
+    std::string jpeg = {};
+};
+
 /// What the server does with viewers. Called from the socket's thread; must not block.
 class SocketHandler {
 public:
@@ -72,6 +85,8 @@ public:
         unsigned status = 404;
         std::string json;
     };
+    /// Of a scene on offer.
+    virtual Thumbnail thumbnail(std::string_view) { return {}; }
     /// Someone with the admin's token asks for a path below /admin.
     virtual AdminAnswer admin(std::string_view, std::string_view) { return {404, "{}\n"}; }
     /// The socket's thread moves; comes some time after SocketServer::wake.

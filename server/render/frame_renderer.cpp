@@ -1,5 +1,6 @@
 #include "server/render/frame_renderer.h"
 
+#include "server/film/exposure.h"
 #include "server/request/effect_rules.h"
 #include "server/request/surroundings.h"
 
@@ -24,6 +25,13 @@ FrameRequest frameRequest(const Scene& scene, const Camera& camera, const Settin
                           uint32_t generation) {
     const EffectSet effects = effectsUnder(scene, effectsOf(scene), settings);
     return {checkedCamera(camera), settings, effects, resolution, generation, std::nullopt};
+}
+
+float shownExposure(const Film& film, const Scene& scene, const FrameRequest& request) {
+    const float chosen = scene.exposure + request.settings.exposure;
+    if (!exposesPictures(request.settings)) return chosen;
+    const std::optional<vec3> backdrop = plainBackdrop(scene, request.settings, request.effects);
+    return chosen + meteredExposure(film, backdrop).value_or(0.0f);
 }
 
 }  // namespace heliograph

@@ -24,4 +24,7 @@ FrameStats renderFrame(Renderer& renderer, const FrameRequest& request, uint32_t
 FrameRequest frameRequest(const Scene& scene, const Camera& camera, const Settings& settings, uvec2 resolution,
                           uint32_t generation);
 
+/// EV by which the film is shown: the scene's, the setting's and, where pictures expose themselves, its own.
+float shownExposure(const Film& film, const Scene& scene, const FrameRequest& request);
+
 }  // namespace heliograph

@@ -42,7 +42,7 @@ void SceneCache::stop() {
     changed_.notify_all();
 }
 
-std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener listener) {
+std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener listener, Stay stay) {
     auto ticket = std::make_shared<Ticket>(Ticket{std::move(listener)});
     // Told before the ticket is in the queue: afterwards the loading thread might be ahead with `ready`.
     if (auto stand = standOf(name)) ticket->listener.progress(stand->first, stand->second);
@@ -56,10 +56,11 @@ std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener li
             resident = found->scene;
         } else if (loading != loads_.end()) {
             loading->tickets.push_back(ticket);
+            loading->stays |= stay == Stay::yes;
         } else {
             dropAbandoned();
             checkRoom();
-            loads_.push_back({name, {ticket}, WAITING, 0.0});
+            loads_.push_back({name, {ticket}, WAITING, 0.0, stay == Stay::yes});
         }
     }
     if (resident) ticket->listener.ready(resident);
@@ -83,7 +84,7 @@ std::optional<std::pair<std::string, double>> SceneCache::standOf(const std::str
 /// With the lock held. Throws InputError when no further scene fits.
 void SceneCache::checkRoom() const {
     auto used = std::count_if(residents_.begin(), residents_.end(), [](const Resident& r) { return r.scene.use_count() > 1; });
-    const auto wanted = std::ranges::count_if(loads_, [](const Load& load) { return !load.abandoned(); });
+    const auto wanted = std::ranges::count_if(loads_, [](const Load& load) { return load.stays && !load.abandoned(); });
     if (static_cast<size_t>(used + wanted) < most_) return;
     throw InputError("scene.name", "viewers already look at " + std::to_string(used) + " other scenes",
                      "one of theirs, or later");
@@ -148,8 +149,9 @@ void SceneCache::load(const std::string& name) {
         tickets = waiting();
         // Somebody may have come while the load was being given up.
         if (!scene && failure.empty() && !tickets.empty() && !stopped_) return;
+        const bool stays = loads_.front().stays;
         loads_.pop_front();
-        if (scene) residents_.push_back({name, scene, ++uses_});
+        if (scene && stays) residents_.push_back({name, scene, ++uses_});
     }
     ended_(scene ? "ready" : failure.empty() ? "abandoned" : "failed");
     for (const auto& ticket : tickets) {

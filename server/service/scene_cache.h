@@ -15,6 +15,9 @@ public:
     using Ended = std::function<void(const char* outcome)>;
     using DeviceFactory = std::function<std::unique_ptr<Renderer>()>;
 
+    /// Whether the scene stays when nobody looks at it any more. One that is loaded without staying takes nobody's place.
+    enum class Stay { no, yes };
+
     /// `settings` for the devices' load. At most `keep` scenes stay where they are not looked at; with `most` in use or on
     /// their way a further one is refused.
     /// `ended` is told of each load: ready, failed or abandoned.
@@ -27,7 +30,7 @@ public:
     /// Calls the listener at once if the scene is resident, else later from the loading thread; where the load stands is
     /// told at once. The load is given up when
     /// all its tickets are gone. Throws InputError when `most` scenes are in use.
-    std::shared_ptr<void> open(const std::string& name, SceneListener listener);
+    std::shared_ptr<void> open(const std::string& name, SceneListener listener, Stay stay = Stay::yes);
     /// A resident scene stays from now on, looked at or not. It is in use only while someone holds it.
     void pin(const std::string& name);
     size_t residentCount() const;
@@ -45,6 +48,7 @@ private:
         std::vector<std::weak_ptr<Ticket>> tickets;
         std::string what;  // the last report
         double share = 0.0;
+        bool stays = false;  // somebody wanted that
         /// Nobody waits for it any more.
         bool abandoned() const {
             return std::ranges::all_of(tickets, [](const std::weak_ptr<Ticket>& ticket) { return ticket.expired(); });

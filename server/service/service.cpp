@@ -21,6 +21,12 @@ std::string wordsOf(double number) {
     return text;
 }
 
+std::vector<std::string> namesOf(const std::vector<SceneRecipe>& scenes) {
+    std::vector<std::string> names;
+    for (const SceneRecipe& scene : scenes) names.push_back(scene.name);
+    return names;
+}
+
 }  // namespace
 
 Service::Service(ServiceOptions options)
@@ -36,6 +42,14 @@ Service::Service(ServiceOptions options)
           [this](const char* outcome) {
               metrics_.loads.add(outcome);
               left_++;
+          }),
+      thumbnails_(
+          namesOf(options_.scenes),
+          [this](const std::string& name, SceneListener listener) {
+              return cache_.open(name, std::move(listener), SceneCache::Stay::no);
+          },
+          [this](const ResidentScene& resident, std::stop_token stop) {
+              return paintThumbnail(resident, options_.defaults, scheduler_.turns(), std::move(stop));
           }),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }),
@@ -139,6 +153,7 @@ std::optional<SocketHandler::NoRoom> Service::tooCrowded() const {
 
 /// Views that are kept for nobody yet are ended before somebody who is here goes without.
 std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {
+    thumbnails_.giveWay();
     try {
         return cache_.open(name, listener);
     } catch (const InputError&) {

@@ -4,6 +4,7 @@
 #include "server/service/kept_views.h"
 #include "server/service/picture_memory.h"
 #include "server/service/scene_cache.h"
+#include "server/service/thumbnails.h"
 #include "server/base/log.h"
 #include "server/net/guard/rate_limit.h"
 #include "server/net/socket_server.h"
@@ -86,6 +87,7 @@ private:
     std::string metricsText() override;
     Readiness readiness() override;
     std::optional<NoRoom> mayEnter() override;
+    Thumbnail thumbnail(std::string_view scene) override { return thumbnails_.ask(scene); }
     AdminAnswer admin(std::string_view method, std::string_view path) override;
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
@@ -140,6 +142,7 @@ private:
     SceneCache cache_;                  // after the sessions: its devices tell them of faults for as long as they live
     std::shared_ptr<void> firstScene_;  // ticket
     std::map<std::string, std::shared_ptr<void>> adminScenes_;  // tickets; the socket's thread alone
+    Thumbnails thumbnails_;
     SocketServer socket_;
     std::jthread attendant_, reaper_;
 };

@@ -379,6 +379,7 @@ const http = createServer((request, response) => {
   const path = request.url === '/' ? '/index.html' : request.url.split('?')[0];
   if (path === '/healthz') return void response.end('ok\n');
   if (path === '/ws') return void response.writeHead(Number(control.refuse || 426)).end(control.why);
+  if (path.startsWith('/thumbnails/')) return void response.end();
   if (path === '/control') {
     Object.assign(control, Object.fromEntries(new URLSearchParams(request.url.split('?')[1])));
     return void response.end('ok\n');

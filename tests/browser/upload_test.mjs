@@ -1,7 +1,7 @@
 // Own files, dropped on the page of a real server: a model, surroundings, and what is refused. Part of client_test.mjs; run
 // alone: node tests/browser/upload_test.mjs. Writes screenshots to out/browser.
 
-import { mkdtempSync, readdirSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -195,6 +195,55 @@ async function closedDoor(checks) {
   }
 }
 
+/** A folder of the operator's, listed with pictures that the renderer made. */
+async function pictures(checks) {
+  const folder = mkdtempSync(join(tmpdir(), 'heliograph-scenes-'));
+  const files = { ...MODEL, 'model/broken.glb': 'none' };
+  mkdirSync(join(folder, 'model'));
+  for (const [path, text] of Object.entries(files)) writeFileSync(join(folder, path), text);
+  const server = new Server(await freePort(), 'cornell', undefined, { HELIOGRAPH_SCENES: folder });
+  const browser = new Browser();
+  try {
+    await server.start();
+    const page = await browser.start(DESKTOP);
+    await page.goto(`http://127.0.0.1:${server.port}/`);
+    await ready(page, /^cornell$/);
+    const rowOf = (name) => page.getByRole('menuitemradio', { name });
+    await checks.check('the menu of scenes has pictures, also of the files in the folder', async () => {
+      await page.locator('.picker').click();
+      for (const name of [/^Cornell/, /^Courtyard/])
+        await until(`a picture of ${name}`, 20_000, async () => (await pictureOf(rowOf(name))).width === 160);
+      await page.screenshot({ path: join(outFolder, 'scene-pictures.png') });
+      const red = rowOf(/Red\.obj/i);
+      await red.scrollIntoViewIfNeeded();
+      await until('the file\u2019s picture', 60_000, async () => (await pictureOf(red)).width === 160);
+      await page.screenshot({ path: join(outFolder, 'scene-pictures-folder.png') });
+      const { colour } = await pictureOf(red);
+      expect(colour[0] > colour[1] + 5, `red ${colour[0]}, green ${colour[1]}`);
+      expect((await pictureOf(rowOf(/Broken\.glb/i))).width === 1, 'a picture of what cannot be read');
+    });
+    await checks.check('a scene is opened while others are loaded for their pictures', async () => {
+      await rowOf(/^Glass/).click();
+      await ready(page, /^glass$/);
+      expect(browser.problems.length === 0, browser.problems.join('\n'));
+    });
+  } finally {
+    await browser.stop();
+    await server.kill();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}
+
+/** Width and mean colour of the picture in a row. */
+const pictureOf = (row) =>
+  row.locator('img').evaluate((image) => {
+    const canvas = document.createElement('canvas');
+    [canvas.width, canvas.height] = [1, 1];
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0, 1, 1);
+    return { width: image.naturalWidth, colour: [...context.getImageData(0, 0, 1, 1).data] };
+  });
+
 /** Runs everything; failures and passes are counted in `checks`. */
 export async function uploadChecks(checks) {
   const folder = mkdtempSync(join(tmpdir(), 'heliograph-uploads-'));
@@ -219,6 +268,7 @@ export async function uploadChecks(checks) {
     rmSync(folder, { recursive: true, force: true });
   }
   await closedDoor(checks);
+  await pictures(checks);
 }
 
 if (import.meta.url === pathToFileURL(process.argv[1]).href) {

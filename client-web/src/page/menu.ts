@@ -3,12 +3,14 @@
 import { el, icon, uniqueId } from './dom.js';
 import './menu.css';
 
+const EMPTY = 'data:image/gif;base64,R0lGODlhAQABAAAAACH5BAEKAAEALAAAAAABAAEAAAICTAEAOw=='; // a clear pixel
+
 export interface MenuItem {
   readonly label: string;
   readonly description?: string;
   readonly hint?: string; // a key
   readonly checked?: boolean; // given: the item is one of a choice
-  readonly picture?: string; // address of a small image
+  readonly picture?: string | ((image: HTMLImageElement) => void); // address of a small image, or who puts it there
   readonly choose: () => void;
 }
 
@@ -65,7 +67,7 @@ export class Menu {
       'button',
       { type: 'button', class: 'menu-item', role: radio ? 'menuitemradio' : 'menuitem', tabindex: -1 },
       radio ? icon('check') : null,
-      item.picture === undefined ? null : el('img', { class: 'menu-picture', src: item.picture, alt: '' }),
+      item.picture === undefined ? null : pictureOf(item.picture),
       el(
         'span',
         { class: 'menu-text' },
@@ -102,4 +104,11 @@ export class Menu {
     event.preventDefault();
     event.stopPropagation();
   }
+}
+
+function pictureOf(picture: NonNullable<MenuItem['picture']>): HTMLImageElement {
+  if (typeof picture === 'string') return el('img', { class: 'menu-picture', src: picture, alt: '' });
+  const image = el('img', { class: 'menu-picture', src: EMPTY, alt: '' });
+  picture(image);
+  return image;
 }

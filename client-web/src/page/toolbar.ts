@@ -9,6 +9,7 @@ import { Menu, type MenuItem } from './menu.js';
 import type { Panel } from '../panels/panel.js';
 import { fullScreenButton } from './full_screen.js';
 import { displayName, pageTitle, spacedWords } from './scene_name.js';
+import { ScenePictures } from './scene_pictures.js';
 import type { Viewer } from '../viewer.js';
 import './toolbar.css';
 
@@ -28,6 +29,7 @@ export class SceneBar {
   readonly element: HTMLElement;
   private readonly sceneLabel_ = el('span', { class: 'picker-label' }, '…');
   private readonly info_: InfoPopover;
+  private readonly pictures_ = new ScenePictures();
 
   constructor(
     private readonly viewer_: Viewer,
@@ -56,6 +58,7 @@ export class SceneBar {
     this.element = el('header', { class: 'bar top-bar' }, ...parts);
     viewer_.on(['scene', 'hello'], () => this.refresh());
     viewer_.on(['frame'], () => this.title());
+    viewer_.on(['hello'], () => this.pictures_.forget());
   }
 
   private refresh(): void {
@@ -81,6 +84,7 @@ export class SceneBar {
       label: displayName(entry.name),
       description: entry.description,
       checked: entry.name === present,
+      picture: (image: HTMLImageElement) => this.pictures_.show(image, entry.name),
       choose: () => this.viewer_.openScene(entry.name),
     }));
     const own = { label: 'Own files …', description: 'Or drop a model, its folder, or an HDR on the page' };

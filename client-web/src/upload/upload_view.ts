@@ -1,7 +1,7 @@
 // Own files: dropped on the page or chosen, sent to the server with progress, and opened.
 
 import { el, icon, setText } from '../page/dom.js';
-import { keptToken } from '../wire/token.js';
+import { authorization } from '../wire/token.js';
 import { isObject } from '../wire/fields.js';
 import type { Viewer } from '../viewer.js';
 import { chosenFiles, droppedFiles, withArchivesOpened } from './dropped_files.js';
@@ -159,11 +159,6 @@ export class UploadView {
     this.show(text, sent);
     this.announce_(text);
   }
-}
-
-function authorization(): Readonly<Record<string, string>> {
-  const token = keptToken();
-  return token === null ? {} : { authorization: `Bearer ${token}` };
 }
 
 function nameIn(answer: string): string {

@@ -41,3 +41,9 @@ export function takeToken(): string | null {
   history.replaceState(history.state, '', withoutToken(location.href));
   return token;
 }
+
+/** Headers of a request to the server. */
+export function authorization(): Readonly<Record<string, string>> {
+  const token = keptToken();
+  return token === null ? {} : { authorization: `Bearer ${token}` };
+}

@@ -190,6 +190,38 @@ TEST(SceneCache, LoadsThatNobodyWaitsForTakeNoPlace) {
     EXPECT_LE(source.opened, 3);  // the storm's last one was in the queue at most
 }
 
+TEST(SceneCache, WhatIsNotToStayTakesNoPlace) {
+    Source source;
+    Told picture, viewer, other, joined;
+    SceneCache cache(
+        source.opener(), source.devices(), {}, [](const char*) {}, 3, 1);
+    auto one = cache.open("slow", picture.listener(), SceneCache::Stay::no);
+    ASSERT_TRUE(picture.untilReading());
+    std::shared_ptr<void> two;
+    EXPECT_NO_THROW(two = cache.open("viewer's", viewer.listener())) << "the one place is the viewer's";
+    source.release = true;
+    ASSERT_TRUE(picture.untilReady());
+    ASSERT_TRUE(viewer.untilReady());
+    EXPECT_EQ(cache.residentCount(), 1u);
+    viewer.scene.reset();
+    two.reset();
+    source.release = false;
+    std::shared_ptr<void> three;
+    ASSERT_TRUE(test::until([&] {  // who has loaded it lets go of it a moment later
+        try {
+            three = cache.open("slower", other.listener(), SceneCache::Stay::no);
+        } catch (const InputError&) {
+            return false;
+        }
+        return true;
+    }));
+    ASSERT_TRUE(other.untilReading());
+    auto four = cache.open("slower", joined.listener());
+    source.release = true;
+    ASSERT_TRUE(joined.untilReady());
+    EXPECT_EQ(cache.residentCount(), 2u) << "a viewer joined";
+}
+
 TEST(SceneCache, EndsInTheMiddleOfALoad) {
     Source source;
     Told told;
