@@ -70,9 +70,14 @@ std::string spelled(double value) {
     return text.str();
 }
 
+/// The double with the fewest digits that is this float again: 0.004f is 0.004 in the form and in --json, not
+/// 0.004000000189989805.
 double asJsonNumber(float value) {
-    // 0.004f as a double is 0.004000000189989805; the form and --json shall show 0.004.
-    return std::stod(spelled(value));
+    char text[32];
+    const char* end = std::to_chars(text, text + sizeof text, value).ptr;
+    double number = 0.0;
+    std::from_chars(text, end, number);
+    return number;
 }
 
 std::string allowed(const SettingsRow& row) {

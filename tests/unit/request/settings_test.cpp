@@ -1,6 +1,7 @@
 #include "server/request/settings.h"
 
 #include "server/base/error.h"
+#include "tests/support/random.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -54,6 +55,21 @@ TEST(Settings, EveryFieldSurvivesJson) {
     for (const auto& [name, value] : values.items()) copy.set(name, value);
     EXPECT_EQ(copy, changed);
     EXPECT_NE(copy, Settings{});
+}
+
+TEST(Settings, EveryFloatOfARangeSurvivesJson) {
+    Settings settings, again;
+    test::Random random(7);
+    for (int i = 0; i < 20'000; i++) {
+        const float strength = random.real(0.0f, 100.0f);
+        settings.set("sunStrength", strength);
+        again.set("sunStrength", settings.toJson()["sunStrength"]);
+        ASSERT_EQ(again.sunStrength, settings.sunStrength);
+    }
+    settings.set("sunStrength", 3.1111112f);
+    EXPECT_EQ(settings.toJson()["sunStrength"].dump(), "3.1111112");
+    settings.set("contributionThreshold", 0.004f);
+    EXPECT_EQ(settings.toJson()["contributionThreshold"].dump(), "0.004");
 }
 
 TEST(Settings, EndsOfARangeAreInIt) {
