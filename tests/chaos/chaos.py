@@ -79,8 +79,11 @@ class ControlGroup:
         for file in ('tasks', 'cgroup.procs'):
             with open(os.path.join(self.folder, file)) as f:
                 for member in f.read().split():
-                    with open('/sys/fs/cgroup/%s/%s' % (self.controller, file), 'w') as parent:
-                        parent.write(member)
+                    try:
+                        with open('/sys/fs/cgroup/%s/%s' % (self.controller, file), 'w') as parent:
+                            parent.write(member)
+                    except ProcessLookupError:
+                        pass  # a thread that has ended meanwhile
         os.rmdir(self.folder)
 
     @staticmethod
