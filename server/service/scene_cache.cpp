@@ -51,6 +51,8 @@ std::shared_ptr<void> SceneCache::open(const std::string& name, SceneListener li
         std::lock_guard lock(mutex_);
         auto found = std::find_if(residents_.begin(), residents_.end(), [&](const Resident& r) { return r.name == name; });
         auto loading = std::find_if(loads_.begin(), loads_.end(), [&](const Load& l) { return l.name == name; });
+        if (found == residents_.end() && stay == Stay::no && awaitedBeside(name))
+            throw InputError("scene.name", "viewers wait for another scene", "later");
         if (found != residents_.end()) {
             found->lastUse = ++uses_;
             resident = found->scene;
@@ -79,6 +81,16 @@ std::optional<std::pair<std::string, double>> SceneCache::standOf(const std::str
     }
     checkRoom();
     return std::pair(loads_.empty() ? "Opening " + name : WAITING, 0.0);
+}
+
+/// With the lock held: somebody waits for a scene that stays, of another name.
+bool SceneCache::awaitedBeside(const std::string& name) const {
+    return std::ranges::any_of(loads_, [&](const Load& l) { return l.stays && l.name != name && !l.abandoned(); });
+}
+
+bool SceneCache::awaited() const {
+    std::lock_guard lock(mutex_);
+    return awaitedBeside({});
 }
 
 /// With the lock held. Throws InputError when no further scene fits.

@@ -15,7 +15,8 @@ public:
     using Ended = std::function<void(const char* outcome)>;
     using DeviceFactory = std::function<std::unique_ptr<Renderer>()>;
 
-    /// Whether the scene stays when nobody looks at it any more. One that is loaded without staying takes nobody's place.
+    /// Whether the scene stays when nobody looks at it any more. One that is loaded without staying takes nobody's place, and is
+    /// refused while somebody waits for another one.
     enum class Stay { no, yes };
 
     /// `settings` for the devices' load. At most `keep` scenes stay where they are not looked at; with `most` in use or on
@@ -33,6 +34,8 @@ public:
     std::shared_ptr<void> open(const std::string& name, SceneListener listener, Stay stay = Stay::yes);
     /// A resident scene stays from now on, looked at or not. It is in use only while someone holds it.
     void pin(const std::string& name);
+    /// Somebody waits for a scene that stays.
+    bool awaited() const;
     size_t residentCount() const;
     /// Loads in progress or waiting.
     size_t loadCount() const;
@@ -62,6 +65,7 @@ private:
     };
 
     std::optional<std::pair<std::string, double>> standOf(const std::string& name) const;
+    bool awaitedBeside(const std::string& name) const;
     void checkRoom() const;
     void dropAbandoned();
     void run();

@@ -49,7 +49,12 @@ Service::Service(ServiceOptions options)
               return cache_.open(name, std::move(listener), SceneCache::Stay::no);
           },
           [this](const ResidentScene& resident, std::stop_token stop) {
-              return paintThumbnail(resident, options_.defaults, scheduler_.turns(), std::move(stop));
+              Settings settings;
+              {
+                  std::lock_guard lock(mutex_);
+                  settings = current_.defaults;
+              }
+              return paintThumbnail(resident, settings, scheduler_.turns(), std::move(stop));
           }),
       socket_(options_.socket, *this),
       attendant_([this](std::stop_token stop) { attend(stop); }),
@@ -153,13 +158,25 @@ std::optional<SocketHandler::NoRoom> Service::tooCrowded() const {
 
 /// Views that are kept for nobody yet are ended before somebody who is here goes without.
 std::shared_ptr<void> Service::openScene(const std::string& name, SceneListener listener) {
-    thumbnails_.giveWay();
+    std::shared_ptr<void> ticket;
     try {
-        return cache_.open(name, listener);
+        ticket = cache_.open(name, listener);
     } catch (const InputError&) {
         if (!endKeptViews()) throw;
-        return cache_.open(name, std::move(listener));
+        ticket = cache_.open(name, std::move(listener));
     }
+    letViewersGoFirst();
+    return ticket;
+}
+
+/// A scene that is loaded for its small picture waits for those that somebody wants to look at.
+void Service::letViewersGoFirst() {
+    if (cache_.awaited()) thumbnails_.giveWay();
+}
+
+Thumbnail Service::thumbnail(std::string_view scene) {
+    if (ending_) return {Thumbnail::State::coming};
+    return thumbnails_.ask(scene);
 }
 
 uint64_t Service::grantPixels(uint32_t view, uint64_t wanted) {

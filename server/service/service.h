@@ -87,7 +87,7 @@ private:
     std::string metricsText() override;
     Readiness readiness() override;
     std::optional<NoRoom> mayEnter() override;
-    Thumbnail thumbnail(std::string_view scene) override { return thumbnails_.ask(scene); }
+    Thumbnail thumbnail(std::string_view scene) override;
     AdminAnswer admin(std::string_view method, std::string_view path) override;
     bool ending() override { return ending_; }
     void turned() override { socketPart_.beat(); }
@@ -100,6 +100,7 @@ private:
     bool tryLook(uint32_t view);
     bool endViews(KeptViews::Views views);
     bool endKeptViews();
+    void letViewersGoFirst();
     void openForAdmin(const std::string& name);
     LogLevel lineLevel();
     void attend(std::stop_token stop);

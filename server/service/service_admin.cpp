@@ -85,6 +85,7 @@ void Service::openForAdmin(const std::string& name) {
     listener.ready = [name](std::shared_ptr<ResidentScene>) { log().info("{}: opened for an admin", name); };
     listener.failed = [name](const std::string& why, std::exception_ptr) { log().warn("{}: {}", name, why); };
     adminScenes_[name] = cache_.open(name, std::move(listener));
+    letViewersGoFirst();
 }
 
 }  // namespace heliograph

@@ -7,16 +7,15 @@
 #include "server/render/frame_renderer.h"
 #include "server/scene/framing.h"
 
+#include <algorithm>
+
 namespace heliograph {
 
 namespace {
 
-using namespace std::chrono_literals;
-
 constexpr uvec2 SIZE{160, 90};
 constexpr uint32_t SAMPLES = 16;
 constexpr int QUALITY = 85;
-constexpr auto NO_ROOM_PAUSE = 1s;  // where no further scene may be opened
 
 }  // namespace
 
@@ -41,22 +40,28 @@ std::string paintThumbnail(const ResidentScene& resident, const Settings& settin
     return {bytes.begin(), bytes.end()};
 }
 
-Thumbnails::Thumbnails(const std::vector<std::string>& scenes, Open open, Paint paint)
-    : open_(std::move(open)), paint_(std::move(paint)) {
-    for (const std::string& scene : scenes) pictures_[scene].state = Thumbnail::State::unasked;
+Thumbnails::Thumbnails(const std::vector<std::string>& scenes, Open open, Paint paint, std::chrono::milliseconds failureLasts)
+    : open_(std::move(open)), paint_(std::move(paint)), failureLasts_(failureLasts) {
+    for (const std::string& scene : scenes) pictures_[scene].picture.state = Thumbnail::State::unasked;
     thread_ = std::jthread([this](std::stop_token stop) { run(std::move(stop)); });
 }
 
 Thumbnail Thumbnails::ask(std::string_view scene) {
+    using State = Thumbnail::State;
     std::lock_guard lock(mutex_);
     const auto found = pictures_.find(scene);
     if (found == pictures_.end()) return {};
-    if (found->second.state == Thumbnail::State::unasked) {
-        found->second.state = Thumbnail::State::coming;
-        wanted_.push_back(found->first);
+    State& state = found->second.picture.state;
+    const auto now = std::chrono::steady_clock::now();
+    if (state == State::failed && now - found->second.failed >= failureLasts_) state = State::unasked;
+    if (const auto waits = std::ranges::find(wanted_, scene); waits != wanted_.end()) {
+        std::rotate(wanted_.begin(), waits, waits + 1);
+    } else if (state == State::unasked) {
+        state = State::coming;
+        wanted_.push_front(found->first);
         asked_.notify_all();
     }
-    return found->second;
+    return found->second.picture;
 }
 
 void Thumbnails::giveWay() {
@@ -75,19 +80,15 @@ void Thumbnails::giveWay() {
 
 void Thumbnails::run(std::stop_token stop) {
     while (const std::optional<std::string> scene = next(stop)) {
-        Made made = make(*scene, stop);
+        Thumbnail made = make(*scene, stop);
+        std::shared_ptr<Attempt> over;  // with a scene, perhaps, that takes long to let go of
         std::lock_guard lock(mutex_);
-        attempt_.reset();
-        if (made.outcome == Outcome::later) {
-            wanted_.push_back(*scene);
-            continue;
-        }
-        const auto state = made.outcome == Outcome::made ? Thumbnail::State::there : Thumbnail::State::failed;
-        pictures_[*scene] = {state, std::move(made.picture)};
+        over.swap(attempt_);
+        pictures_[*scene] = {std::move(made), std::chrono::steady_clock::now()};
     }
 }
 
-/// The scene that has waited longest; nothing when `stop` was asked for.
+/// The scene that was asked for last; nothing when `stop` was asked for.
 std::optional<std::string> Thumbnails::next(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     asked_.wait(lock, stop, [&] { return !wanted_.empty(); });
@@ -98,24 +99,23 @@ std::optional<std::string> Thumbnails::next(std::stop_token stop) {
     return scene;
 }
 
-Thumbnails::Made Thumbnails::make(const std::string& scene, std::stop_token stop) {
+/// Unasked where it gave way.
+Thumbnail Thumbnails::make(const std::string& scene, std::stop_token stop) {
+    using State = Thumbnail::State;
     const std::shared_ptr<Attempt> attempt = attempt_;  // changed by this thread alone
     try {
         const std::shared_ptr<ResidentScene> resident = open(scene, *attempt, stop);
-        if (!resident) return {Outcome::later, {}};
+        if (!resident) return {State::unasked};
         std::string picture = paint_(*resident, stop);
-        return {picture.empty() ? Outcome::later : Outcome::made, std::move(picture)};
-    } catch (const InputError&) {  // as many scenes are in use as there may be
-        std::unique_lock lock(attempt->mutex);
-        attempt->changed.wait_for(lock, stop, NO_ROOM_PAUSE, [] { return false; });
-        return {Outcome::later, {}};
+        const State state = picture.empty() ? State::unasked : State::there;
+        return {state, std::move(picture)};
     } catch (const std::exception& e) {
         log().warn("no small picture of {}: {}", scene, e.what());
-        return {Outcome::failed, {}};
+        return {State::failed};
     }
 }
 
-/// Waits for the scene. Null where it gave way or `stop` was asked for. Throws why it cannot be loaded.
+/// Waits for the scene. Null where others go first or `stop` was asked for. Throws why it cannot be loaded.
 std::shared_ptr<ResidentScene> Thumbnails::open(const std::string& scene, Attempt& attempt, std::stop_token stop) {
     const std::weak_ptr<Attempt> weak = attempt_;
     const auto tell = [weak](auto change) {
@@ -131,7 +131,12 @@ std::shared_ptr<ResidentScene> Thumbnails::open(const std::string& scene, Attemp
     listener.progress = [](const std::string&, double) {};
     listener.ready = [tell](std::shared_ptr<ResidentScene> ready) { tell([&](Attempt& a) { a.scene = std::move(ready); }); };
     listener.failed = [tell](const std::string& why, std::exception_ptr) { tell([&](Attempt& a) { a.failure = why; }); };
-    const std::shared_ptr<void> ticket = open_(scene, std::move(listener));
+    std::shared_ptr<void> ticket;
+    try {
+        ticket = open_(scene, std::move(listener));
+    } catch (const InputError&) {  // as many scenes are in use as there may be, or viewers wait for one
+        return nullptr;
+    }
     std::unique_lock lock(attempt.mutex);
     attempt.changed.wait(lock, stop, [&] { return attempt.scene || !attempt.failure.empty() || attempt.gaveWay; });
     if (!attempt.failure.empty()) throw std::runtime_error(attempt.failure);

@@ -1,6 +1,7 @@
 #pragma once
 // Small pictures of the scenes on offer, for lists of them. Each is rendered once, when somebody first asks for it; a scene that
-// is not ready then is loaded for its picture alone and let go of. Who wants to look at a scene goes first.
+// is not ready then is loaded for its picture alone and let go of. Who wants to look at a scene goes first: what gives way begins
+// again when it is asked for again.
 
 #include "server/net/socket_server.h"
 #include "server/stream/session_host.h"
@@ -23,12 +24,13 @@ public:
     /// As paintThumbnail.
     using Paint = std::function<std::string(const ResidentScene& resident, std::stop_token stop)>;
 
-    /// `scenes`: names of those that have pictures.
-    Thumbnails(const std::vector<std::string>& scenes, Open open, Paint paint);
+    /// `scenes`: names of those that have pictures. `failureLasts`: how long one that failed is not tried again.
+    Thumbnails(const std::vector<std::string>& scenes, Open open, Paint paint,
+               std::chrono::milliseconds failureLasts = std::chrono::minutes(1));
 
-    /// What there is by now; where there is nothing yet, it is made. Does not wait.
+    /// What there is by now; where there is nothing yet, it is the next to be made. Does not wait.
     Thumbnail ask(std::string_view scene);
-    /// Somebody wants to look at a scene: a load for a picture ends, and begins again when it is through.
+    /// Somebody waits for a scene to look at: a load for a picture ends.
     void giveWay();
 
 private:
@@ -40,23 +42,23 @@ private:
         std::string failure;
         bool gaveWay = false;
     };
-    enum class Outcome { made, failed, later };
-    struct Made {
-        Outcome outcome = Outcome::failed;
-        std::string picture;
+    struct Entry {
+        Thumbnail picture;
+        std::chrono::steady_clock::time_point failed;
     };
 
     void run(std::stop_token stop);
     std::optional<std::string> next(std::stop_token stop);
-    Made make(const std::string& scene, std::stop_token stop);
+    Thumbnail make(const std::string& scene, std::stop_token stop);
     std::shared_ptr<ResidentScene> open(const std::string& scene, Attempt& attempt, std::stop_token stop);
 
     const Open open_;
     const Paint paint_;
+    const std::chrono::milliseconds failureLasts_;
     std::mutex mutex_;
     std::condition_variable_any asked_;
-    std::map<std::string, Thumbnail, std::less<>> pictures_;
-    std::deque<std::string> wanted_;
+    std::map<std::string, Entry, std::less<>> pictures_;
+    std::deque<std::string> wanted_;    // the one asked for last is the next
     std::shared_ptr<Attempt> attempt_;  // in progress
     std::jthread thread_;
 };

@@ -214,13 +214,17 @@ async function pictures(checks) {
       for (const name of [/^Cornell/, /^Courtyard/])
         await until(`a picture of ${name}`, 20_000, async () => (await pictureOf(rowOf(name))).width === 160);
       await page.screenshot({ path: join(outFolder, 'scene-pictures.png') });
+      const broken = page.waitForResponse((r) => r.url().endsWith('broken.glb') && r.status() === 200, { timeout: 60_000 });
+      broken.catch(() => undefined); // said below
       const red = rowOf(/Red\.obj/i);
       await red.scrollIntoViewIfNeeded();
       await until('the file\u2019s picture', 60_000, async () => (await pictureOf(red)).width === 160);
       await page.screenshot({ path: join(outFolder, 'scene-pictures-folder.png') });
       const { colour } = await pictureOf(red);
       expect(colour[0] > colour[1] + 5, `red ${colour[0]}, green ${colour[1]}`);
-      expect((await pictureOf(rowOf(/Broken\.glb/i))).width === 1, 'a picture of what cannot be read');
+      await rowOf(/Broken\.glb/i).scrollIntoViewIfNeeded();
+      expect((await (await broken).body()).length === 0, 'a picture of what cannot be read');
+      expect((await pictureOf(rowOf(/Broken\.glb/i))).width === 1, 'a picture of what cannot be read is shown');
     });
     await checks.check('a scene is opened while others are loaded for their pictures', async () => {
       await rowOf(/^Glass/).click();

@@ -1,5 +1,6 @@
 #include "server/service/thumbnails.h"
 
+#include "tests/support/direct_renderer.h"
 #include "tests/unit/service/service_fakes.h"
 
 namespace heliograph::TEST_FILE {
@@ -55,22 +56,115 @@ TEST(Thumbnails, ThereIsNoneOfAFileThatCannotBeRead) {
     EXPECT_EQ(thumbnails.ask("bad").state, State::coming);
     thumbnails.ask("good");
     ASSERT_TRUE(until([&] { return thumbnails.ask("good").state == State::there; }));
-    EXPECT_EQ(thumbnails.ask("bad").state, State::failed);
+    ASSERT_TRUE(until([&] { return thumbnails.ask("bad").state == State::failed; }));
     EXPECT_EQ(opener.names().size(), 2u) << "not tried again";
 }
 
-TEST(Thumbnails, WhoWantsToLookGoesFirst) {
+TEST(Thumbnails, OneThatFailedIsTriedAgainLater) {
     Opener opener;
-    Thumbnails thumbnails({"slow", "other"}, opener.open(), paint());
-    thumbnails.giveWay();  // nothing is on its way
-    thumbnails.ask("slow");
-    ASSERT_TRUE(until([&] { return opener.names().size() == 1; }));
-    EXPECT_FALSE(opener.slow.expired());
-    thumbnails.ask("other");
-    thumbnails.giveWay();
-    ASSERT_TRUE(until([&] { return opener.slow.expired(); })) << "nobody waits for the load any more";
-    ASSERT_TRUE(until([&] { return thumbnails.ask("slow").state == State::there; })) << "it begins again later";
-    EXPECT_EQ(opener.names(), (std::vector<std::string>{"slow", "other", "slow"}));
+    Thumbnails thumbnails({"bad"}, opener.open(), paint(), std::chrono::milliseconds(1));
+    ASSERT_TRUE(until([&] {
+        thumbnails.ask("bad");
+        return opener.names().size() >= 3;
+    }));
+}
+
+TEST(Thumbnails, TheOneAskedForLastIsTheNext) {
+    Opener opener;
+    std::binary_semaphore begun(0), goOn(0);
+    Thumbnails thumbnails({"first", "a", "b", "c"}, opener.open(), [&](const ResidentScene&, std::stop_token) {
+        if (opener.names().size() == 1) {
+            begun.release();
+            goOn.acquire();
+        }
+        return std::string("picture");
+    });
+    thumbnails.ask("first");
+    begun.acquire();
+    for (const char* scene : {"a", "b", "c", "b"}) thumbnails.ask(scene);
+    goOn.release();
+    ASSERT_TRUE(until([&] { return opener.names().size() == 4; }));
+    EXPECT_EQ(opener.names(), (std::vector<std::string>{"first", "b", "c", "a"}));
+}
+
+/// Scenes by name: "slow..." is read until it is let go on.
+struct SlowFiles {
+    std::atomic<bool> goOn{false};
+    std::atomic<int> begun{0}, givenUp{0};
+    SceneCache cache{[this](const std::string& name, const Progress& progress) {
+                         begun++;
+                         try {
+                             while (name.starts_with("slow") && !goOn) {
+                                 report(progress, "reading", 0.5);
+                                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                             }
+                         } catch (...) {
+                             givenUp++;
+                             throw;
+                         }
+                         auto scene = std::make_shared<Scene>();
+                         scene->name = name;
+                         return std::shared_ptr<const Scene>(scene);
+                     },
+                     [] { return std::make_unique<test::DirectRenderer>(std::make_shared<GreyDevice>()); }, Settings()};
+    Thumbnails thumbnails{{"slow 1", "slow 2", "quick"},
+                          [this](const std::string& name, SceneListener listener) {
+                              return cache.open(name, std::move(listener), SceneCache::Stay::no);
+                          },
+                          paint()};
+
+    /// As a viewer does.
+    std::shared_ptr<void> look(const std::string& name, std::atomic<bool>& ready) {
+        SceneListener listener;
+        listener.progress = [](const std::string&, double) {};
+        listener.ready = [&ready](const std::shared_ptr<ResidentScene>&) { ready = true; };
+        listener.failed = [](const std::string&, std::exception_ptr) {};
+        std::shared_ptr<void> ticket = cache.open(name, std::move(listener));
+        if (cache.awaited()) thumbnails.giveWay();
+        return ticket;
+    }
+};
+
+TEST(Thumbnails, WhoWantsToLookGoesFirst) {
+    for (const std::vector<std::string>& wanted : {std::vector<std::string>{"slow 1"}, {"slow 1", "slow 2"}}) {
+        SlowFiles files;
+        std::atomic<bool> ready{false};
+        for (const std::string& scene : wanted) files.thumbnails.ask(scene);
+        ASSERT_TRUE(until([&] { return files.begun == 1; }));
+        const std::shared_ptr<void> ticket = files.look("a viewer's", ready);
+        for (int i = 0; i < 20; i++) files.thumbnails.ask("slow 2");  // whatever the page asks for meanwhile
+        ASSERT_TRUE(until([&] { return ready.load(); })) << "it would wait for ever behind a slow one";
+        EXPECT_GE(files.givenUp, 1);
+        files.goOn = true;
+        ASSERT_TRUE(until([&] { return files.thumbnails.ask("slow 1").state == State::there; })) << "asked for again";
+    }
+}
+
+TEST(Thumbnails, AViewerOfTheSameSceneTakesTheLoadOver) {
+    SlowFiles files;
+    std::atomic<bool> ready{false};
+    files.thumbnails.ask("slow 1");
+    ASSERT_TRUE(until([&] { return files.begun == 1; }));
+    const std::shared_ptr<void> ticket = files.look("slow 1", ready);
+    files.goOn = true;
+    ASSERT_TRUE(until([&] { return ready.load(); }));
+    EXPECT_EQ(files.begun, 1);
+    EXPECT_EQ(files.givenUp, 0);
+    EXPECT_EQ(files.cache.residentCount(), 1u);
+}
+
+TEST(Thumbnails, NobodyIsDisturbedByWhoFindsTheirSceneReady) {
+    SlowFiles files;
+    std::atomic<bool> ready{false};
+    const std::shared_ptr<void> first = files.look("start", ready);
+    ASSERT_TRUE(until([&] { return ready.load(); }));
+    files.thumbnails.ask("slow 1");
+    ASSERT_TRUE(until([&] { return files.begun == 2; }));
+    std::vector<std::shared_ptr<void>> others;
+    for (int i = 0; i < 20; i++) others.push_back(files.look("start", ready));
+    files.goOn = true;
+    ASSERT_TRUE(until([&] { return files.thumbnails.ask("slow 1").state == State::there; }));
+    EXPECT_EQ(files.givenUp, 0);
 }
 
 TEST(Thumbnails, WaitForRoomAndOutliveAFailedPicture) {
