@@ -104,6 +104,8 @@ struct SlowFiles {
                          }
                          auto scene = std::make_shared<Scene>();
                          scene->name = name;
+                         scene->environment.image = NO_INDEX;
+                         scene->cameras.push_back({"start"});
                          return std::shared_ptr<const Scene>(scene);
                      },
                      [] { return std::make_unique<test::DirectRenderer>(std::make_shared<GreyDevice>()); }, Settings()};

@@ -5,6 +5,7 @@
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/spirv_exact.h"
 #include "server/device/vulkan/core/spirv_specialised.h"
+#include "server/device/vulkan/core/spirv_uniforms.h"
 #include "server/kernel/kernel.h"
 
 #include <algorithm>
@@ -86,6 +87,8 @@ TracePipelines::TracePipelines(Gpu& gpu, uint32_t bvhWidth, uint32_t sets, std::
     check(vkCreateDescriptorPool(device, &poolInfo, nullptr, &pool), "make a descriptor pool");
     pool_ = {device, pool};
     if (other.empty()) other = bvhWidth == 4 ? shaders::traceWide4() : shaders::traceWide2();
+    std::vector<uint32_t> opaque;  // a GPU's driver needs no more than it is given
+    if (gpu.physical().isCpu()) other = opaque = withOpaqueUniforms(other);
     code_ = withoutContraction(other);
     if (!gpu.physical().isCpu() || gpu.context().options().rounding == Rounding::exact) {
         exactCode_ = withoutContraction(withExactQuotients(other));

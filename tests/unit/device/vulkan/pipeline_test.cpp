@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 
+#include <malloc.h>
 #include <unistd.h>
 
 namespace heliograph::TEST_FILE {
@@ -252,6 +253,23 @@ TEST_F(FirstSurfacePipeline, WhatItCutsOffIsRenderedAgain) {
             std::count_if(tiles_.begin(), tiles_.end(), [&](const Tile& t) { return reach_->of(request_)->endsAtOnce(t); });
         EXPECT_LT(atFirst, static_cast<long>(tiles_.size())) << "and now it is known better";
     }
+}
+
+// Lavapipe kept a copy of the program, 1.5 MB of it, for every pass over this scene.
+TEST(Pipeline, PassesKeepNoMemory) {
+    const auto scene = openScene("courtyard");
+    VulkanOptions options;
+    options.validation = true;
+    auto device = makeVulkanDevice("", options);
+    device->load(scene, {}, {});
+    const FrameRequest request = frameRequest(*scene, cameraFrom(scene->cameras.front()), {}, uvec2(32, 16), 1);
+    const auto passes = [&](uint32_t count) {
+        Film film;
+        renderFrame(*device, request, count, film);
+        return mallinfo2().uordblks + mallinfo2().hblkhd;
+    };
+    const size_t before = passes(4), after = passes(40);
+    EXPECT_LT(after, before + (16 << 20));
 }
 
 TEST(GeneralPipeline, AProcessorNeedsNone) {

@@ -3,6 +3,7 @@
 #include "server/device/vulkan/core/spirv_specialised.h"
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/spirv_module.h"
+#include "server/device/vulkan/core/spirv_uniforms.h"
 #include "server/request/effects.h"
 
 #include <gtest/gtest.h>
@@ -201,6 +202,25 @@ TEST(Specialised, ShadersStayValidAndLoseWhatIsOff) {
     const uint32_t constants[] = {0, 4, 32, ~0u, 0, 0, 0};
     EXPECT_TRUE(isValid(specialised(shaders::traceWide2(), constants)));
     EXPECT_TRUE(isValid(specialised(shaders::rasterVertex(), constants)));
+}
+
+TEST(OpaqueUniforms, EveryNumberOfABlockIsReadOnce) {
+    const auto count = [](const Words& module, uint32_t wanted) {
+        uint32_t found = 0;
+        spirv::forEachInstruction(module, [&](uint32_t op, std::span<const uint32_t>) { found += op == wanted; });
+        return found;
+    };
+    constexpr uint32_t LOAD = 61, SHIFT_RIGHT = 194, BITWISE_OR = 197;
+    const Words plain(shaders::traceWide4().begin(), shaders::traceWide4().end()), opaque = withOpaqueUniforms(plain);
+    ASSERT_TRUE(isValid(opaque));
+    const uint32_t reads = count(opaque, LOAD) - count(plain, LOAD);  // each reads the invocation's number, too
+    EXPECT_GT(reads, 100u);
+    EXPECT_EQ(count(opaque, SHIFT_RIGHT) - count(plain, SHIFT_RIGHT), reads);
+    EXPECT_EQ(count(opaque, BITWISE_OR) - count(plain, BITWISE_OR), reads);
+    EXPECT_TRUE(isValid(withOpaqueUniforms(shaders::traceWide2())));
+    const Words vertex(shaders::rasterVertex().begin(), shaders::rasterVertex().end());
+    EXPECT_EQ(withOpaqueUniforms(vertex), vertex) << "which has no invocations of that kind";
+    EXPECT_THROW(withOpaqueUniforms(Words{1, 2, 3}), std::invalid_argument);
 }
 
 }  // namespace
