@@ -32,8 +32,9 @@ async function reasons(checks, session) {
     expect(!(await effect('refractions').isVisible()), 'what is of no use is not folded');
     const state = await effect('refractions').locator('.effect-state').textContent();
     expect(state === 'off: no transmissive material', state);
-    const figures = await effect('shadows').locator('.effect-figures').textContent();
-    expect(figures === '2.31 M rays', figures);
+    const figures = () => effect('shadows').locator('.effect-figures').textContent();
+    await until('rays beside the effects', 20_000, async () => (await figures()) !== ''); // the first statistics
+    expect((await figures()) === '2.31 M rays', await figures());
     expect(await effect('textures').locator('.effect-figures').isHidden(), 'a figure at textures');
     expect((await effect('textures').locator('input').count()) === 0, 'a switch at textures');
     const moving = await effect('animation').locator('.effect-state').textContent();
