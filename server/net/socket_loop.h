@@ -77,9 +77,19 @@ private:
     struct Waker {
         std::mutex mutex;
         lws_context* context = nullptr;
-        void operator()() {
+        std::set<lws*> written;  // connections that have something to write, maybe gone by now
+        /// `wsi`: which one has; null: none.
+        void operator()(lws* wsi = nullptr) {
             std::lock_guard lock(mutex);
-            if (context) lws_cancel_service(context);
+            if (!context) return;
+            // While somebody stands there the thread is woken already and has not come to it yet.
+            const bool woken = !written.empty();
+            if (wsi) written.insert(wsi);
+            if (!wsi || !woken) lws_cancel_service(context);
+        }
+        std::set<lws*> take() {
+            std::lock_guard lock(mutex);
+            return std::exchange(written, {});
         }
     };
 
@@ -118,6 +128,7 @@ private:
         bool all = false;     // has come, or no more is waited for: the answer follows
         UploadEnd refusal = {0, {}};
     };
+    enum class Ping { none, due, sent };
     struct Viewer {
         std::shared_ptr<Connection> connection;
         WriteWatch writes;
@@ -127,6 +138,9 @@ private:
         std::optional<Clock::time_point> wrongToken;                      // when that is answered
         std::optional<WireLedger> ledger;                                 // where the system tells what came
         std::optional<uint64_t> consumedBefore;                           // bytes that were read when it was told to go
+        Clock::time_point heard = Clock::now();                           // anything came
+        Ping ping = Ping::none;                                           // since then
+        std::optional<uint64_t> weighed;                                  // bytes that were read at the last look at them
         bool deaf = false;                                                // nothing more is read
         std::optional<Clock::time_point> closeSent;                       // to who is not heard any more
     };
@@ -183,6 +197,7 @@ private:
     int sayGoodbye(lws* wsi, Viewer& viewer, CloseCode code, const std::string& reason);
     void sweep();
     bool inTime(lws* wsi, Viewer& viewer);
+    void ping(lws* wsi, Viewer& viewer);
     void weigh(lws* wsi, Viewer& viewer);
     void sweepGuest(Viewer& viewer);
     void sweepLinks();

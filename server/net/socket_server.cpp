@@ -71,7 +71,9 @@ void SocketLoop::createContext() {
         {PROTOCOL_NAME, callback, 0, 16384, 0, nullptr, 0},
         {nullptr, nullptr, 0, 0, 0, nullptr, 0},
     };
-    static const lws_retry_bo_t keepAlive = {nullptr, 0, 0, IDLE_PING.count(), IDLE_CLOSE.count(), 0};
+    // Nobody is pinged by the library, each at a time of its own: the sweep does, all that are due at once.
+    constexpr uint16_t LONG = 60'000;  // seconds
+    static const lws_retry_bo_t keepAlive = {nullptr, 0, 0, LONG, LONG, 0};
 
     lws_context_creation_info info{};
     info.port = CONTEXT_PORT_NO_LISTEN_SERVER;  // connections are accepted at our doors

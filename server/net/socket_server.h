@@ -27,6 +27,8 @@ struct SocketTimes {
     std::chrono::milliseconds token = TOKEN_WAIT;    // until it is said
     std::chrono::milliseconds write = WRITE_WINDOW;  // in which something has to be taken of what is sent
     std::chrono::milliseconds close = CLOSE_WAIT;    // until a close frame is out
+    std::chrono::milliseconds ping = IDLE_PING;      // of a viewer's silence until it is asked whether it is there
+    std::chrono::milliseconds hangUp = IDLE_CLOSE;   // of a viewer's silence, all in all
 };
 
 struct SocketOptions : SocketAccess {

@@ -83,9 +83,12 @@ size_t SocketLoop::viewerCount() const {
 
 int SocketLoop::viewer(lws* wsi, lws_callback_reasons reason, std::string_view in) {
     if (reason == LWS_CALLBACK_EVENT_WAIT_CANCELLED) {
-        for (auto& [socket, viewer] : viewers_) {
-            if (stopping_) viewer.connection->close(CloseCode::goingAway, "the server ends");
-            if (viewer.connection->hasOutput()) lws_callback_on_writable(socket);
+        if (stopping_) {
+            for (auto& [socket, viewer] : viewers_) viewer.connection->close(CloseCode::goingAway, "the server ends");
+        }
+        for (lws* socket : waker_->take()) {
+            const auto viewer = viewers_.find(socket);
+            if (viewer != viewers_.end() && viewer->second.connection->hasOutput()) lws_callback_on_writable(socket);
         }
         return 0;
     }
@@ -100,6 +103,7 @@ int SocketLoop::viewer(lws* wsi, lws_callback_reasons reason, std::string_view i
     switch (reason) {
         case LWS_CALLBACK_SERVER_WRITEABLE: return write(wsi, viewer);
         case LWS_CALLBACK_RECEIVE: return receive(wsi, viewer, in);
+        case LWS_CALLBACK_RECEIVE_PONG: viewer.heard = Clock::now(); return 0;
         case LWS_CALLBACK_WS_PEER_INITIATED_CLOSE:
             if (connection->peer) connection->peer->leaves();
             return 0;
@@ -112,7 +116,7 @@ void SocketLoop::open(lws* wsi) {
     const bool authorized = authorized_.erase(wsi) > 0, guest = !options_.token.empty() && !authorized;
     if (guest) makeRoomForGuest();
     const auto now = Clock::now();
-    auto connection = std::make_shared<Connection>([waker = waker_] { (*waker)(); }, addressOf(wsi));
+    auto connection = std::make_shared<Connection>([waker = waker_, wsi] { (*waker)(wsi); }, addressOf(wsi));
     Viewer& viewer = viewers_.emplace(wsi, Viewer{connection, WriteWatch(now), {}, nullptr, now, {}, {}}).first->second;
     if (const auto consumed = consumedBytes(lws_get_socket_fd(wsi)))
         viewer.ledger.emplace(tls_ ? WireLedger::Wire::tls : WireLedger::Wire::plain, *consumed);
@@ -173,20 +177,25 @@ int SocketLoop::write(lws* wsi, Viewer& viewer) {
         return sayGoodbye(wsi, viewer, closing->code, closing->reason);
     }
     auto piece = connection.nextPiece(std::chrono::steady_clock::now());
-    if (!piece) return 0;
+    if (!piece) {
+        if (viewer.ping != Ping::due) return 0;
+        viewer.ping = Ping::sent;
+        uint8_t frame[LWS_PRE + 1] = {};  // the library does not tell of pongs without a byte
+        return lws_write(wsi, frame + LWS_PRE, 1, LWS_WRITE_PING) < 0 ? -1 : 0;
+    }
     int mode = lws_write_ws_flags(piece->text ? LWS_WRITE_TEXT : LWS_WRITE_BINARY, piece->first, piece->last);
     const double before = threadCpuSeconds();
     int written = lws_write(wsi, piece->bytes.data(), piece->bytes.size(), static_cast<lws_write_protocol>(mode));
     if (written < static_cast<int>(piece->bytes.size())) return -1;
     countWritten(wsi, piece->bytes.size());
     if (!piece->text) connection.pieceWritten(threadCpuSeconds() - before);
-    if (connection.hasOutput()) lws_callback_on_writable(wsi);
+    if (connection.hasOutput() || viewer.ping == Ping::due) lws_callback_on_writable(wsi);
     return 0;
 }
 
 int SocketLoop::receive(lws* wsi, Viewer& viewer, std::string_view piece) {
     if (viewer.deaf) return 0;
-    lws_validity_confirmed(wsi);  // who speaks need not be pinged
+    viewer.heard = Clock::now();
     const size_t left = lws_remaining_packet_payload(wsi);
     const bool last = lws_is_final_fragment(wsi) && left == 0;
     if (viewer.ledger) {
@@ -276,6 +285,7 @@ void SocketLoop::sweep() {
     for (auto& [wsi, viewer] : viewers_) {
         if (viewer.guest) sweepGuest(viewer);
         weigh(wsi, viewer);
+        ping(wsi, viewer);
         if (inTime(wsi, viewer)) continue;
         // A close frame would wait behind what is not taken, so the connection is cut.
         if (!viewer.connection->closedWith)
@@ -298,8 +308,14 @@ void SocketLoop::sweepGuest(Viewer& viewer) {
 
 /// Looks at what came beside messages; the library does not tell of it.
 void SocketLoop::weigh(lws* wsi, Viewer& viewer) {
-    const auto consumed = viewer.ledger && !viewer.deaf ? consumedBytes(lws_get_socket_fd(wsi)) : std::nullopt;
+    if (!viewer.ledger || viewer.deaf) return;
+    const int socket = lws_get_socket_fd(wsi);
+    const bool marked = !viewer.closeAsked || viewer.consumedBefore;
+    // All that has come was read and weighed before.
+    if (viewer.weighed && marked && receivedBytes(socket) == viewer.weighed) return;
+    const auto consumed = consumedBytes(socket);
     if (!consumed) return;
+    if (std::exchange(viewer.weighed, consumed) != consumed) viewer.heard = Clock::now();
     if (viewer.closeAsked) {
         if (!viewer.consumedBefore) viewer.consumedBefore = *consumed;
         if (*consumed - *viewer.consumedBefore > READ_AFTER_CLOSE) dismiss(wsi, viewer, CloseCode::policyViolation, TOO_MANY);
@@ -313,15 +329,25 @@ void SocketLoop::weigh(lws* wsi, Viewer& viewer) {
         dismiss(wsi, viewer, CloseCode::policyViolation, TOO_MANY);
 }
 
+/// Asks who has been silent for long whether it is there; a hand that rests says nothing.
+void SocketLoop::ping(lws* wsi, Viewer& viewer) {
+    if (Clock::now() - viewer.heard <= options_.times.ping) viewer.ping = Ping::none;
+    else if (viewer.ping == Ping::none) {
+        viewer.ping = Ping::due;
+        lws_callback_on_writable(wsi);
+    }
+}
+
 bool SocketLoop::inTime(lws* wsi, Viewer& viewer) {
     const auto now = std::chrono::steady_clock::now();
     if (!viewer.closeAsked && viewer.connection->closeAsked()) viewer.closeAsked = now;
     if (viewer.closeAsked && now - *viewer.closeAsked > options_.times.close) return false;
+    if (now - viewer.heard > options_.times.hangUp) return false;
     const bool waits = viewer.connection->hasOutput() || lws_partial_buffered(wsi);
     // An answer to the close would not be read, so it is not waited for: only until the other side has the close.
     const bool lingered = viewer.closeSent && now - *viewer.closeSent > LINGER;
     if (lingered && !lws_partial_buffered(wsi) && heldBytes(lws_get_socket_fd(wsi)) == 0) return false;
-    return !viewer.writes.stalled(now, waits, takenBytes(wsi), options_.times.write);
+    return !viewer.writes.stalled(now, waits, waits ? takenBytes(wsi) : 0, options_.times.write);
 }
 
 }  // namespace heliograph

@@ -14,6 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto TICK = 100ms;
+constexpr uint32_t TICKS = 5;  // from one look at a session to the next
 
 std::string wordsOf(double number) {
     char text[32];
@@ -333,18 +334,22 @@ void Service::tellEverybody(const std::string& what) {
 /// Statistics and time limits of all viewers.
 void Service::attend(std::stop_token stop) {
     std::condition_variable_any never;
-    while (!stop.stop_requested()) {
+    for (uint32_t turn = 0; !stop.stop_requested(); turn = (turn + 1) % TICKS) {
         std::vector<std::shared_ptr<Session>> sessions;
         KeptViews::Views over;
         {
             std::unique_lock lock(mutex_);
             never.wait_for(lock, stop, TICK, [] { return false; });
-            sessions = sessions_;
+            std::ranges::copy_if(sessions_, std::back_inserter(sessions),
+                                 [&](const auto& session) { return session->viewer() % TICKS == turn; });
             over = keptViews_.over(std::chrono::steady_clock::now());
         }
         attendantPart_.beat();
+        if (turn == 0) {
+            resident_ = heliograph::residentBytes();
+            socket_.wake();  // tells that it lives
+        }
         endViews(std::move(over));
-        socket_.wake();
         auto now = std::chrono::steady_clock::now();
         for (const auto& session : sessions) {
             try {

@@ -75,6 +75,7 @@ private:
     void viewEnded(std::shared_ptr<View> view) override;
     void viewLeft(std::shared_ptr<View> view) override;
     size_t viewerCount() const override;
+    uint64_t residentBytes() const override { return resident_; }
     Views& views() override { return views_; }
     Turns& turns() override { return scheduler_.turns(); }
     Metrics& metrics() override { return metrics_; }
@@ -136,6 +137,7 @@ private:
     std::atomic<bool> ending_{false};
     std::atomic<bool> closed_{false};  // by an admin: those inside stay
     std::atomic<uint64_t> left_{0};    // viewers and loads that are over
+    std::atomic<uint64_t> resident_{heliograph::residentBytes()};
     Liveness liveness_;
     Liveness::Part& socketPart_ = liveness_.add("socket");
     Liveness::Part& attendantPart_ = liveness_.add("attendant");

@@ -1,7 +1,6 @@
 #include "server/stream/session.h"
 
 #include "server/base/log.h"
-#include "server/base/machine.h"
 #include "server/net/guard/token.h"
 
 namespace heliograph {
@@ -10,8 +9,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto STATS_EVERY = 500ms;
-constexpr auto STATS_AT_REST = 10s;  // where nothing but other viewers and memory can have changed
+constexpr auto STATS_EVERY = 450ms;  // less than the time between two calls of tick
+constexpr auto STATS_AT_REST = 30s;  // where nothing but other viewers and memory can have changed
+// Whose turn comes within one is told when it begins, so that many at rest wake the socket's thread but once.
+using StatsRound = std::chrono::duration<int64_t, std::ratio<5>>;
 
 }  // namespace
 
@@ -185,10 +186,10 @@ void Session::retry() {
 
 void Session::tick(Clock::time_point now) {
     retry();
-    constexpr double atRest = std::chrono::duration<double>(STATS_AT_REST).count();
     std::shared_ptr<View> looked;
     double seconds = 0.0;
     size_t watchers = 0;
+    bool restOver = false;
     {
         std::lock_guard lock(mutex_);
         if (ended_) return;
@@ -200,12 +201,13 @@ void Session::tick(Clock::time_point now) {
         looked = view_;
         seconds = std::chrono::duration<double>(now - statsAt_).count();
         watchers = watchersTold_;
+        restOver = std::chrono::floor<StatsRound>(now) - std::chrono::floor<StatsRound>(statsAt_) >= STATS_AT_REST;
     }
-    if (!looked || (seconds < atRest && !looked->hasNews(viewer_, watchers))) return;
+    if (!looked || (!restOver && !looked->hasNews(viewer_, watchers))) return;
     std::optional<ViewerStats> stats = looked->stats(viewer_, seconds);
     if (!stats) return;
     stats->viewers = host_.viewerCount();
-    stats->residentBytes = residentBytes();
+    stats->residentBytes = host_.residentBytes();
     stats->pool = host_.poolReport();
     std::lock_guard lock(mutex_);
     statsAt_ = now;

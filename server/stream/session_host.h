@@ -1,6 +1,7 @@
 #pragma once
 // What all views and sessions share, as they see it: scenes, devices, memory for pictures, the other views.
 
+#include "server/base/machine.h"
 #include "server/loop/finished_frame.h"
 #include "server/scene/load/scene_source.h"
 #include "server/viewer/metrics.h"
@@ -44,6 +45,8 @@ public:
     /// Who looked at it last has gone and may come back: that happens after some time, unless somebody looks at it then.
     virtual void viewLeft(std::shared_ptr<View> view) = 0;
     virtual size_t viewerCount() const = 0;
+    /// Memory of the server, as of a moment ago.
+    virtual uint64_t residentBytes() const { return heliograph::residentBytes(); }
     virtual Views& views() = 0;
     virtual Turns& turns() = 0;
     virtual Metrics& metrics() = 0;

@@ -4,11 +4,14 @@ storm of messages, the time to serve again after `kill -9`. Memory is resident m
 and at the end, both after two quiet seconds.
 
 endure.py [--parts idle,viewers,cycles,storm,restart] [--cycles 10000] [--storm 600] [--connections 1000]; prints a table.
-HELIOGRAPH names the program. Exit code 1: memory grew by more than 5 %."""
-import argparse, os, random, signal, sys, time
+HELIOGRAPH and HELIOGRAPH_LOAD name the programs. Exit code 1: memory grew by more than 5 %, or not
+all viewers stayed."""
+import argparse, os, random, re, signal, subprocess, sys, time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'operations'))
 import support
+
+LOAD = os.environ.get('HELIOGRAPH_LOAD', os.path.join(support.ROOT, 'build/release/tests/heliograph-load'))
 
 
 def status(server, field):
@@ -60,24 +63,22 @@ def idle(options):
 
 
 def viewers(options):
-    """Viewers that have a picture and rest."""
+    """Viewers that have a picture and rest: they answer what they are asked, and say nothing else."""
     server = support.Server('--max-viewers', str(options.connections), '--least-rate', '0', '--set', 'samples=1')
     threads, memory = status(server, 'Threads'), settled(server)
-    held = []
-    for _ in range(options.connections):
-        viewer = support.Viewer(server.port, size=(32, 18))
-        viewer.read(20.0, lambda: viewer.inputs)
-        held.append(viewer)
-    time.sleep(3)
-    before, seconds = processor(server), 20.0
+    ramp, seconds = options.connections / 50, 40.0
+    load = subprocess.Popen([LOAD, 'ws://127.0.0.1:%d/ws' % server.port, '--viewers', str(options.connections), '--ramp', str(ramp),
+                             '--seconds', str(seconds + 20), '--size', '32x18', '--script', 'idle'], stdout=subprocess.DEVNULL)
+    time.sleep(ramp + 10)
+    before = processor(server)
     time.sleep(seconds)
     used = (processor(server) - before) / seconds
-    row('%d resting viewers' % len(held), '%d threads, %.0f MiB' % (threads, memory),
-        '%d threads, %.0f MiB' % (status(server, 'Threads'), settled(server)), '%.2f %% of a core' % (100 * used))
-    for viewer in held:
-        viewer.socket.close()
+    inside = int(re.search(r'^heliograph_viewers (\d+)', server.get('/metrics')[2], re.M)[1])
+    row('%d resting viewers' % inside, '%d threads, %.0f MiB' % (threads, memory),
+        '%d threads, %.0f MiB' % (status(server, 'Threads'), status(server, 'VmRSS') / 1024), '%.2f %% of a core' % (100 * used))
+    load.kill()
     server.end()
-    return True
+    return inside == options.connections
 
 
 def flat(what, first, last, note):

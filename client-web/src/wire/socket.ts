@@ -20,6 +20,8 @@ export interface ConnectionHooks {
 const FIRST_DELAY = 250; // ms
 const LONGEST_DELAY = 5000; // ms
 const PING_INTERVAL = 2000; // ms
+const PING_AT_REST = 8000; // ms, once nothing was said for
+const REST = 10_000; // ms
 const SILENCE_LIMIT = 10_000; // ms that a ping may stay without any answer
 
 const UNAUTHORIZED = 4001; // close codes
@@ -50,6 +52,8 @@ export class Connection {
   private retryTimer_ = 0;
   private pingTimer_ = 0;
   private unansweredSince_: number | null = null;
+  private saidAt_ = 0; // anything but pings
+  private pingedAt_ = 0;
   private refusal_: Refusal | null = null; // of the newest attempt that was refused
   /** Of the newest ping that was answered, told with the next one; null on a new connection. */
   roundTripMs: number | null = null;
@@ -114,6 +118,7 @@ export class Connection {
 
   /** Sends when open; what cannot be sent is dropped, since state is restored after the next connect. */
   send(message: ViewerMessage): void {
+    if (message.type !== 'ping') this.saidAt_ = performance.now();
     if (this.isOpen) this.socket_?.send(JSON.stringify(message));
   }
 
@@ -123,6 +128,8 @@ export class Connection {
       this.lost('the server does not answer');
       return;
     }
+    if (now - this.saidAt_ > REST && now - this.pingedAt_ < PING_AT_REST - PING_INTERVAL / 2) return;
+    this.pingedAt_ = now;
     this.unansweredSince_ ??= now;
     this.send({ type: 'ping', time: now, roundTripMs: this.roundTripMs });
   }

@@ -31,17 +31,21 @@ uint64_t heldBytes(int socket) {
     return ioctl(socket, SIOCOUTQ, &held) == 0 && held > 0 ? static_cast<uint64_t>(held) : 0;
 }
 
+std::optional<uint64_t> receivedBytes(int socket) {
+    tcp_info info{};
+    if (!readInfo(socket, info, offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received)) return std::nullopt;
+    return info.tcpi_bytes_received;
+}
+
 std::optional<uint64_t> consumedBytes(int socket) {
     constexpr int TRIES = 4;
     for (int i = 0; i < TRIES; i++) {
-        tcp_info info{};
         int before = 0, after = 0;
         if (ioctl(socket, FIONREAD, &before) != 0) return std::nullopt;
-        if (!readInfo(socket, info, offsetof(tcp_info, tcpi_bytes_received) + sizeof info.tcpi_bytes_received))
-            return std::nullopt;
-        if (ioctl(socket, FIONREAD, &after) != 0) return std::nullopt;
+        const std::optional<uint64_t> received = receivedBytes(socket);
+        if (!received || ioctl(socket, FIONREAD, &after) != 0) return std::nullopt;
         // Nobody else reads: where as much waits as before, nothing came in between.
-        if (before == after) return info.tcpi_bytes_received - static_cast<uint64_t>(before);
+        if (before == after) return *received - static_cast<uint64_t>(before);
     }
     return std::nullopt;
 }

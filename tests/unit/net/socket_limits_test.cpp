@@ -46,6 +46,30 @@ TEST(SocketLimits, AViewerThatStopsReadingAndSendsNothingIsCut) {
     EXPECT_EQ(neighbour.receive()->bytes, "here");
 }
 
+TEST(SocketLimits, WhoIsSilentIsAskedAndWhoDoesNotAnswerIsCut) {
+    SocketOptions quick = options();
+    const std::string path = testing::TempDir() + "heliograph-silent.sock";
+    quick.listen.push_back(parseListenAddress("unix:" + path));
+    quick.times.ping = 300ms;
+    quick.times.hangUp = 2s;
+    Server s(quick);
+    WebClient there(s.port()), thereByUnix(path), silent(s.port()), silentByUnix(path);
+    for (WebClient* client : {&there, &thereByUnix, &silent, &silentByUnix}) ASSERT_EQ(client->upgrade(OURS).status, 101);
+    std::optional<test::WebMessage> heard, heardByUnix;
+    {
+        // They say nothing but the answers to pings.
+        std::jthread reads([&] { heard = there.receive(); }), readsByUnix([&] { heardByUnix = thereByUnix.receive(); });
+        EXPECT_TRUE(until([&] { return s.handler.closes == 2; }));
+        EXPECT_EQ(s.handler.lastCode, 4008);
+        there.sendText("here");
+        thereByUnix.sendText("here, too");
+    }
+    ASSERT_TRUE(heard && heardByUnix);
+    EXPECT_EQ(heard->bytes, "here");
+    EXPECT_EQ(heardByUnix->bytes, "here, too");
+    EXPECT_EQ(s.handler.closes, 2);
+}
+
 /// Frames of which a few are harmless.
 std::vector<std::string> floods() {
     std::vector<std::string> all;
