@@ -26,10 +26,11 @@ td,th{padding:4px 12px 4px 0;text-align:right;vertical-align:top;font-variant-nu
 td:last-child,th:last-child{padding-right:0}tr+tr>*{border-top:1px solid var(--line)}
 td:first-child,th:first-child{text-align:left}td:last-child{white-space:nowrap}.words{text-align:left;color:var(--dim)}
 .met{color:var(--met)}.missed{color:var(--missed)}
-figure{margin:0}.plot{position:relative;height:160px;margin-top:24px;border-bottom:1px solid var(--line)}
+figure{margin:0 0 0 72px}.plot{position:relative;height:160px;margin-top:24px;border-bottom:1px solid var(--line)}
 .plot svg{position:absolute;inset:0;width:100%;height:100%;overflow:visible}
 polyline{fill:none;stroke-width:2;vector-effect:non-scaling-stroke}
-.mark{transform:translateY(100%);position:absolute;left:0;right:0;border-top:1px solid var(--line);color:var(--dim);font-size:12px}
+.mark{position:absolute;left:0;right:0;border-top:1px solid var(--line);color:var(--dim);font-size:12px}
+.mark span{position:absolute;right:100%;padding-right:8px;transform:translateY(-50%);white-space:nowrap}
 figcaption{display:flex;flex-wrap:wrap;gap:4px 16px;color:var(--dim);font-size:13px;margin-top:4px}
 .key::before{content:"";display:inline-block;width:10px;height:10px;margin-right:6px;background:var(--colour)}
 .ends{flex-basis:100%;display:flex;justify-content:space-between}
@@ -89,7 +90,7 @@ std::string chart(const std::string& title, const std::string& unit, double seco
     const double step = axisStep(highest, LINES);
     std::string marks, lines, keys;
     for (int i = 1; i <= LINES; i++)
-        marks += fmt::format("<div class=\"mark\" style=\"bottom:{:.2f}%\">{} {}</div>", 100.0 * i / LINES,
+        marks += fmt::format("<div class=\"mark\" style=\"bottom:{:.2f}%\"><span>{} {}</span></div>", 100.0 * i / LINES,
                              shownNumber(step * i), unit);
     for (const Curve& curve : curves) {
         lines += polyline(curve, step * LINES);

@@ -107,7 +107,9 @@ weigh "docker/Dockerfile.gpu" 200000000
 expect "  which is at most 200 MB" test $? = 0
 expect "the GPU image asks for NVIDIA's Vulkan" bash -c "[[ '$(configured heliograph:gpu Env)' == *NVIDIA_DRIVER_CAPABILITIES=graphics* ]]"
 if command -v docker-compose >/dev/null; then
-    expect "docker/compose.yaml is valid" docker-compose -f docker/compose.yaml --profile load-test config
+    for profile in none load-test pool; do
+        expect "docker/compose.yaml is valid, profile $profile" docker-compose -f docker/compose.yaml --profile $profile config
+    done
 else
     echo "      docker/compose.yaml was not looked at: no docker-compose here"
 fi
