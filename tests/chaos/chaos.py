@@ -7,14 +7,14 @@ Threads and devices are taken away by control groups of version 1, which takes r
 not run.
 
 chaos.py [--seconds 60] [--seed 1] [--scene cornell] [--devices LIST]; HELIOGRAPH names the program. Exit code 1: one broke."""
-import argparse, os, random, resource, signal, socket, struct, sys, threading, time
+import argparse, os, random, resource, signal, socket, statistics, struct, sys, threading, time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', 'operations'))
 import support
 
 PATIENCE = 30.0  # seconds after which an answer counts as missing
 SAMPLES = 4
-LEAK_MIB = 96  # what memory may stay above that before the faults: pools and arenas that are kept
+LEAK_MIB = 48  # what the median of the last quarter may be above that of the second one: scenes come and go
 
 
 class Watcher(support.Viewer):
@@ -341,7 +341,7 @@ def main():
     watcher.answered()
     time.sleep(3)
     descriptors, threads = len(os.listdir('/proc/%d/fd' % server.process.pid)), fault.status('Threads')
-    memory = fault.status('VmRSS')
+    memory = []
     end, turn, settled_threads = time.monotonic() + options.seconds, 0, 0
     while time.monotonic() < end and server.process.poll() is None:
         name = names[turn] if turn < len(names) else rng.choice(names)  # each one at least, if there is time
@@ -355,6 +355,7 @@ def main():
             break
         watcher.look()
         answered = watcher.answered()
+        memory.append(fault.status('VmRSS') / 1024)
         row(name, server.process.poll() is None, answered, watcher.picture() == reference)
     summary()
     if server.process.poll() is None:
@@ -363,8 +364,10 @@ def main():
                                 and len(os.listdir('/proc/%d/fd' % server.process.pid)) <= descriptors + 2, PATIENCE)
         support.check('no thread and no descriptor leaked', settled is not None, '%d threads and %d descriptors before, %d and %d after' % (
             threads, descriptors, fault.status('Threads'), len(os.listdir('/proc/%d/fd' % server.process.pid))))
-        support.check('no memory leaked', fault.status('VmRSS') <= memory + LEAK_MIB * 1024,
-                      '%d MiB before, %d after' % (memory // 1024, fault.status('VmRSS') // 1024))
+        quarter = max(1, len(memory) // 4)
+        quarters = [statistics.median(memory[begin:begin + quarter]) for begin in range(0, 4 * quarter, quarter) if memory[begin:]]
+        support.check('no memory leaked', quarters[-1] <= quarters[min(1, len(quarters) - 1)] + LEAK_MIB,
+                      'medians of the quarters: %s MiB' % ', '.join('%.0f' % value for value in quarters))
         support.check('it ends well', server.end()[0] == 0)
     else:
         print(server.log()[-2000:])
