@@ -1,0 +1,136 @@
+// Error against time of all rows that were measured, both by equal factors: the best joined by a line, the settings as they
+// were in a ring. What a pointer comes near to is looked at, a press chooses it; the list beside it serves the keyboard.
+
+import { drawn, el } from '../../page/dom.js';
+import { percent } from '../../page/format.js';
+import type { AccuracyRow } from '../../wire/accuracy_message.js';
+import type { Measured } from './accuracy_model.js';
+import { bestRows, frameTime, givenRow, plottedRows } from './accuracy_rows.js';
+import { logScale, logTicks, type LogScale } from './log_scale.js';
+
+const WIDTH = 304;
+const HEIGHT = 208;
+const LEFT = 40;
+const RIGHT = 8;
+const TOP = 20;
+const BOTTOM = 32;
+const REACH = 24; // CSS pixels from which a point is meant
+const MOST_TICKS = 6;
+
+export interface RowHooks {
+  /** The row that is pointed at or has the focus; null: none. */
+  look(row: AccuracyRow | null): void;
+  choose(row: AccuracyRow): void;
+}
+
+interface Point {
+  readonly row: AccuracyRow;
+  readonly x: number;
+  readonly y: number;
+  readonly dot: SVGElement;
+}
+
+const timeTick = (ms: number): string => (ms >= 1000 ? `${ms / 1000} s` : `${ms} ms`);
+const errorTick = (error: number): string => `${Number((100 * error).toPrecision(3))} %`;
+
+export class AccuracyPlot {
+  readonly element: HTMLElement;
+  private readonly drawing_ = drawn('svg', { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, class: 'accuracy-drawing', role: 'img' });
+  private points_: readonly Point[] = [];
+
+  constructor(hooks: RowHooks) {
+    this.element = el('div', { class: 'accuracy-plot' }, this.drawing_);
+    const show = (event: PointerEvent): void => {
+      const row = this.near(event)?.row ?? null;
+      this.drawing_.classList.toggle('near', row !== null);
+      hooks.look(row);
+    };
+    this.drawing_.addEventListener('pointermove', show);
+    this.drawing_.addEventListener('pointerleave', () => hooks.look(null));
+    this.drawing_.addEventListener('click', (event) => {
+      const point = this.near(event);
+      if (point === null) return;
+      hooks.choose(point.row);
+      hooks.look(point.row); // a finger leaves before it clicks
+    });
+  }
+
+  draw({ accuracy }: Measured): void {
+    const rows = plottedRows(accuracy);
+    const times = logScale(rows.flatMap(({ ms, low, high }) => [ms, low, high]).map((ms) => ms * accuracy.scale));
+    const errors = logScale(rows.map(({ rmse }) => rmse ?? 0));
+    const x = (ms: number): number => LEFT + (WIDTH - LEFT - RIGHT) * times.at(ms * accuracy.scale);
+    const y = (error: number): number => HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * errors.at(error);
+    const given = givenRow(accuracy);
+    const best = bestRows(accuracy).filter((row) => row.front && rows.includes(row));
+    this.points_ = rows.map((row) => {
+      const [cx, cy] = [x(row.ms), y(row.rmse ?? 0)];
+      const kind = row === given ? ' given' : row.front ? ' best' : '';
+      return { row, x: cx, y: cy, dot: drawn('circle', { class: `dot${kind}`, cx, cy, r: kind === '' ? 2.5 : 4 }) };
+    });
+    const line = best.map(({ ms, rmse }) => `${x(ms).toFixed(1)},${y(rmse ?? 0).toFixed(1)}`).join(' ');
+    const spread = [...best, ...(given === null ? [] : [given])].map((row) =>
+      drawn('line', { class: 'spread', x1: x(row.low), x2: x(row.high), y1: y(row.rmse ?? 0), y2: y(row.rmse ?? 0) }),
+    );
+    const plain = this.points_.filter(({ row }) => !row.front && row !== given);
+    const marked = this.points_.filter((point) => !plain.includes(point));
+    this.drawing_.replaceChildren(
+      ...axes(times, errors),
+      ...spread,
+      drawn('polyline', { class: 'front', points: line }),
+      ...[...plain, ...marked].map(({ dot }) => dot),
+    );
+    this.drawing_.setAttribute('aria-label', describe(rows, best, accuracy.scale));
+  }
+
+  mark(looked: AccuracyRow | null, now: AccuracyRow | null): void {
+    for (const { row, dot } of this.points_) {
+      dot.classList.toggle('looked', row === looked || (looked?.given === true && row.given));
+      dot.classList.toggle('now', row === now || (now?.given === true && row.given));
+    }
+  }
+
+  /** The point nearest to an event, within reach. */
+  private near({ clientX, clientY }: MouseEvent): Point | null {
+    const box = this.drawing_.getBoundingClientRect();
+    const scale = box.width / WIDTH;
+    const away = ({ x, y }: Point): number => Math.hypot(box.left + scale * x - clientX, box.top + scale * y - clientY);
+    const nearest = [...this.points_].sort((a, b) => away(a) - away(b))[0];
+    return nearest !== undefined && away(nearest) <= REACH ? nearest : null;
+  }
+}
+
+function axes(times: LogScale, errors: LogScale): readonly SVGElement[] {
+  const [right, bottom] = [WIDTH - RIGHT, HEIGHT - BOTTOM];
+  const across = logTicks(times, MOST_TICKS).flatMap((ms) => {
+    const x = LEFT + (right - LEFT) * times.at(ms);
+    return [
+      drawn('line', { class: 'grid', x1: x, x2: x, y1: TOP, y2: bottom }),
+      drawn('text', { class: 'middle', x: Math.min(x, right - 12), y: bottom + 13 }, timeTick(ms)),
+    ];
+  });
+  const up = logTicks(errors, MOST_TICKS).flatMap((error) => {
+    const y = bottom - (bottom - TOP) * errors.at(error);
+    return [
+      drawn('line', { class: 'grid', x1: LEFT, x2: right, y1: y, y2: y }),
+      drawn('text', { class: 'end', x: LEFT - 4, y: y + 3.5 }, errorTick(error)),
+    ];
+  });
+  return [
+    ...across,
+    ...up,
+    drawn('text', { x: 0, y: 10 }, 'error'),
+    drawn('text', { class: 'end', x: right, y: HEIGHT - 5 }, 'time of a frame'),
+  ];
+}
+
+/** In a sentence, for those who do not see it. */
+function describe(rows: readonly AccuracyRow[], best: readonly AccuracyRow[], scale: number): string {
+  const [fastest, slowest] = [best[0], best.at(-1)];
+  const range =
+    fastest === undefined || slowest === undefined
+      ? ''
+      : `, the best from ${frameTime(scale * fastest.ms)} at ${percent(fastest.rmse ?? 0)} to ` +
+        `${frameTime(scale * slowest.ms)} at ${percent(slowest.rmse ?? 0)}`;
+  return `Error against time of a frame: ${rows.length} settings${range}. The list below has all of them.`;
+}
