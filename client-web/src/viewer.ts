@@ -246,7 +246,8 @@ export class Viewer {
       handle();
     } catch (error) {
       if (!(error instanceof ProtocolError)) throw error;
-      this.onMessage({ kind: 'error', text: `The server sent something this page cannot read (${error.message}).` });
+      const text = `The server sent something this page cannot read (${error.message}).`;
+      if (!this.measuring.refused(text, error.message.split('.')[0]!)) this.onMessage({ kind: 'error', text });
     }
   }
 
@@ -307,15 +308,11 @@ export class Viewer {
       case 'error':
         return this.error(message.message, message.about, message.inputId);
       case 'pong':
-        return this.pong(performance.now() - message.time);
+        this.connection_.roundTripMs = performance.now() - message.time;
+        return this.stream.roundTrips.push(this.connection_.roundTripMs);
       case undefined:
         return; // a message of a kind that this page does not know
     }
-  }
-
-  private pong(roundTripMs: number): void {
-    this.stream.roundTrips.push(roundTripMs);
-    this.connection_.roundTripMs = roundTripMs;
   }
 
   private hello(hello: Hello): void {

@@ -31,6 +31,7 @@ export interface Accuracy {
   readonly width: number; // pixels that were measured
   readonly height: number;
   readonly scale: number; // pixels of the view over those
+  readonly samples: number | null; // of a pixel, with the settings as they were; null: not told
   readonly seconds: number; // that it took
   readonly referenceError: number | null; // relative RMSE of the reference itself
   readonly modelError: number | null; // of the most exact settings against all light
@@ -72,6 +73,7 @@ function readyOf(fields: Fields): Accuracy {
     width: width!,
     height: height!,
     scale: Math.max(numberOf(fields['scale'], 1), 1),
+    samples: typeof fields['samples'] === 'number' ? fields['samples'] : null,
     seconds: numberOf(fields['seconds']),
     referenceError: errorOf(fields['referenceError'], 'accuracy.referenceError'),
     modelError: errorOf(fields['modelError'], 'accuracy.modelError'),

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { AccuracyModel, type Measured, type ViewThen } from '../../src/panels/accuracy/accuracy_model.js';
 import {
-  bestRows, changeWords, factWords, frameTime, moreTime, otherRows, plottedRows, rowName, rowNow, rowWords, settingWords, valuesFor,
+  bestRows, changeWords, factWords, frameTime, givenRow, moreTime, otherRows, plottedRows, rowName, rowNow, rowWords, settingWords, valuesFor,
 } from '../../src/panels/accuracy/accuracy_rows.js';
 import { logScale, logTicks } from '../../src/panels/accuracy/log_scale.js';
 import type { Accuracy, AccuracyRow } from '../../src/wire/accuracy_message.js';
@@ -42,7 +42,7 @@ const ROWS = [
   row('combination', 'aoSamples=4 renderScale=0.5', { aoSamples: 4, renderScale: 0.5 }, 4, 0.3, { front: true }),
 ];
 const ACCURACY: Accuracy = {
-  type: 'accuracy', state: 'ready', scene: 'courtyard', device: 'embree', width: 320, height: 180, scale: 4, seconds: 29.8,
+  type: 'accuracy', state: 'ready', scene: 'courtyard', device: 'embree', width: 320, height: 180, scale: 4, samples: null, seconds: 29.8,
   referenceError: 0.004, modelError: 0.08, rows: ROWS, pictures: null,
 };
 const MEASURED: Measured = { accuracy: ACCURACY, then: THEN };
@@ -85,6 +85,13 @@ test('rows: the best and as it was by time, the rest by setting, nothing twice',
   assert.deepEqual(plottedRows(ACCURACY).map((entry) => ROWS.indexOf(entry)), [0, 1, 4, 6, 9]);
 });
 
+test('givenRow: as it was, not with the samples that were measured instead', () => {
+  const fewer = row('samples', '16', { samples: 16 }, 20, 0.031, GIVEN);
+  assert.equal(givenRow({ ...ACCURACY, rows: [fewer, ...ROWS] }), ROWS[1]);
+  assert.equal(givenRow({ ...ACCURACY, rows: [fewer] }), fewer);
+  assert.equal(givenRow({ ...ACCURACY, rows: ROWS.filter(({ given, coding }) => !given || coding) }), null);
+});
+
 test('valuesFor: the values of the row, and of another row that was chosen before', () => {
   const at = (changed: SettingValues) => (name: string) => ({ ...THEN.values, ...changed })[name];
   assert.deepEqual(valuesFor(ROWS[6]!, MEASURED, at({})), { aoSamples: 25 });
@@ -119,12 +126,14 @@ test('changeWords: the view that is another one, beside the row that was chosen'
 
 test('factWords: where it was measured and what is known of the reference', () => {
   assert.equal(
-    factWords(ACCURACY),
+    factWords(MEASURED),
     'Measured on embree at 320 × 180 pixels in 29.8 s. Times are told for this view, of 4 times as many pixels. ' +
       'The reference itself is known to 0.40 %. Without any limit this view is 8.0 % from all light.',
   );
   const bare = { ...ACCURACY, scale: 1, referenceError: null, modelError: null, seconds: 0.4 };
-  assert.equal(factWords(bare), 'Measured on embree at 320 × 180 pixels in 400 ms.');
+  assert.equal(factWords({ accuracy: bare, then: THEN }), 'Measured on embree at 320 × 180 pixels in 400 ms.');
+  const fewer = { accuracy: { ...bare, samples: 16 }, then: { ...THEN, values: { samples: 64 } } };
+  assert.match(factWords(fewer), /Pictures had 16 samples a pixel, of the view's 64\.$/);
 });
 
 test('logScale: equal factors are equal lengths; 0 sticks to the low end', () => {

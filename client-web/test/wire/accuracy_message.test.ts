@@ -14,7 +14,7 @@ const ROW = {
   ms: 12.3, low: 12, high: 12.9, rmse: 0.018, bias: -0.001, flip: 0.03, psnrDb: 38.1, front: true,
 };
 const READY = {
-  state: 'ready', scene: 'courtyard', device: 'embree', size: [320, 180], scale: 4, seconds: 29.8,
+  state: 'ready', scene: 'courtyard', device: 'embree', size: [320, 180], scale: 4, samples: 64, seconds: 29.8,
   referenceError: 0.004, modelError: null, rows: [ROW], pictures: { exact: 'aGk=', given: 'aG8=' },
 };
 
@@ -31,7 +31,7 @@ test('accuracy: a result with all its fields', () => {
   const { size, ...rest } = READY;
   assert.deepEqual(read(READY), { type: 'accuracy', ...rest, width: size[0], height: size[1] });
   const bare = read({ ...READY, rows: [{ knob: 'jpegQuality', ms: 2, rmse: null }], pictures: undefined });
-  assert.ok(bare.state === 'ready' && bare.pictures === null);
+  assert.ok(bare.state === 'ready' && bare.pictures === null && bare.samples === 64);
   assert.deepEqual(bare.rows[0], {
     knob: 'jpegQuality', value: '', set: {}, given: false, exact: false, byLight: false, coding: false,
     ms: 2, low: 2, high: 2, rmse: null, bias: 0, flip: 0, psnrDb: 0, front: false,

@@ -97,7 +97,7 @@ export class AccuracyPanel {
     this.result_.hidden = measured === null;
     if (measured === null) return;
     setText(this.title_, displayName(measured.accuracy.scene));
-    setText(this.facts_, factWords(measured.accuracy));
+    setText(this.facts_, factWords(measured));
     this.plot_.draw(measured);
     this.list_.show(measured, this.viewer_.settings.rows);
     this.wipe_.show(measured.accuracy);

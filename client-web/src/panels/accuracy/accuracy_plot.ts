@@ -95,8 +95,10 @@ export class AccuracyPlot {
     const box = this.drawing_.getBoundingClientRect();
     const scale = box.width / WIDTH;
     const away = ({ x, y }: Point): number => Math.hypot(box.left + scale * x - clientX, box.top + scale * y - clientY);
-    const nearest = [...this.points_].sort((a, b) => away(a) - away(b))[0];
-    return nearest !== undefined && away(nearest) <= REACH ? nearest : null;
+    let nearest: Point | null = null;
+    let least = REACH;
+    for (const point of this.points_) if (away(point) < least) [nearest, least] = [point, away(point)];
+    return nearest;
   }
 }
 

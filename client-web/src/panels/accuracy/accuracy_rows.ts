@@ -42,9 +42,12 @@ export function rowName(row: AccuracyRow, schema: Schema): string {
   return row.knob === COMBINATION ? settingWords(row.value, schema) : `${labelOf(row.knob, schema)} ${row.value}`;
 }
 
-/** The settings as they were, which every setting that was turned has a row of. */
-export const givenRow = (accuracy: Accuracy): AccuracyRow | null =>
-  accuracy.rows.find((row) => row.given && !row.coding && !row.byLight) ?? null;
+/** The settings as they were, of which every setting that was turned has a row. */
+export function givenRow({ rows }: Accuracy): AccuracyRow | null {
+  const given = rows.filter((row) => row.given && !row.coding && !row.byLight);
+  // Where fewer samples were measured than the view has, the row of the samples would set these.
+  return given.find(({ set }) => Object.keys(set).length === 0) ?? given[0] ?? null;
+}
 
 /** A row in a sentence: what is turned, and what that does to error and time. */
 export function rowWords(row: AccuracyRow, { accuracy, then }: Measured, schema: Schema): string {
@@ -154,9 +157,13 @@ export function changeWords(measured: Measured, now: ViewThen, schema: Schema): 
 }
 
 /** What was measured, where, and how far it can be trusted. */
-export function factWords(accuracy: Accuracy): string {
-  const { device, width, height, seconds, scale, referenceError, modelError } = accuracy;
+export function factWords({ accuracy, then }: Measured): string {
+  const { device, width, height, seconds, scale, samples, referenceError, modelError } = accuracy;
+  const own = then.values['samples'];
   const parts = [`Measured on ${device} at ${width} × ${height} pixels in ${frameTime(1000 * seconds)}.`];
+  if (samples !== null && typeof own === 'number' && samples !== own) {
+    parts.push(`Pictures had ${samples} samples a pixel, of the view's ${own}.`);
+  }
   if (scale > 1.05) parts.push(`Times are told for this view, of ${Number(scale.toPrecision(2))} times as many pixels.`);
   if (referenceError !== null) parts.push(`The reference itself is known to ${percent(referenceError)}.`);
   if (modelError !== null) parts.push(`Without any limit this view is ${percent(modelError)} from all light.`);
