@@ -243,6 +243,9 @@ test('AccuracyModel: another scene ends it, and a lost connection until the view
   accuracy.ask(30, THEN);
   accuracy.sceneChanged();
   assert.equal(text(), 'Given up: another scene is shown.');
+  accuracy.ask(30, THEN);
   accuracy.answered(GIVEN_UP, 'glass');
-  assert.equal(text(), 'Given up: another scene is shown.');
+  assert.equal(text(), 'asked', 'what the new scene ended');
+  accuracy.answered(GIVEN_UP, 'glass');
+  assert.equal(text(), 'The server gave it up.');
 });

@@ -72,10 +72,11 @@ export class AccuracyList {
       el('th', { scope: 'row' }, button),
       ...figures.map((figure) => el('td', {}, figure)),
     );
-    line.addEventListener('pointerenter', () => this.hooks_.look(row));
-    line.addEventListener('pointerleave', () => this.hooks_.look(null));
+    // A list that is scrolled under a resting pointer is not looked at by it.
+    line.addEventListener('pointermove', () => this.hooks_.look(row));
+    line.addEventListener('pointerleave', () => this.hooks_.leave(row));
     button.addEventListener('focus', () => this.hooks_.look(row));
-    button.addEventListener('blur', () => this.hooks_.look(null));
+    button.addEventListener('blur', () => this.hooks_.leave(row));
     line.addEventListener('click', () => this.hooks_.choose(row)); // of the button too
     return { row, line, button };
   }

@@ -29,6 +29,7 @@ export class AccuracyModel {
   private state_: AccuracyState = { name: 'idle' };
   private measured_: Measured | null = null;
   private asked_: ViewThen | null = null; // that the server may still answer
+  private late_ = false; // the server has still to say that what a new scene ended is given up
 
   /** `send_`: asks the server to measure for so many seconds, or by 0 to give it up. */
   constructor(
@@ -65,12 +66,15 @@ export class AccuracyModel {
 
   /** The server's word, while `scene` is shown. What nobody asked for is passed over. */
   answered(message: AccuracyMessage, scene: string): void {
+    const late = this.late_;
+    this.late_ = false;
     if (this.asked_ === null) return;
     switch (message.state) {
       case 'measuring':
         if (this.state_.name !== 'ending') this.set({ name: 'measuring', share: message.share, what: message.what });
         return;
       case 'given-up':
+        if (late && this.state_.name === 'asked') return;
         return this.state_.name === 'ending' ? this.end('Given up.', false) : this.end('The server gave it up.', true);
       case 'failed':
         return this.end(`It could not be measured: ${message.what}`, true);
@@ -92,6 +96,7 @@ export class AccuracyModel {
     const waited = this.waits;
     if (!waited && this.measured_ === null) return;
     this.measured_ = null;
+    this.late_ = waited;
     this.end(waited ? 'Given up: another scene is shown.' : 'Another scene is shown: nothing is known of it yet.', waited);
   }
 

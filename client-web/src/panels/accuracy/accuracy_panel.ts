@@ -5,7 +5,7 @@ import { percent } from '../../page/format.js';
 import { displayName } from '../../page/scene_name.js';
 import { recall, remember } from '../../page/storage.js';
 import type { Viewer } from '../../viewer.js';
-import type { AccuracyRow } from '../../wire/accuracy_message.js';
+import type { Accuracy, AccuracyRow } from '../../wire/accuracy_message.js';
 import type { Panel } from '../panel.js';
 import { AccuracyList } from './accuracy_list.js';
 import type { AccuracyState, Measured } from './accuracy_model.js';
@@ -24,7 +24,6 @@ export class AccuracyPanel {
   private readonly what_ = el('p', { class: 'field-note' });
   private readonly status_ = el('p', { class: 'field-note', role: 'status' });
   private readonly error_ = el('p', { class: 'field-error', role: 'alert' });
-  private readonly title_ = el('h3');
   private readonly facts_ = el('p', { class: 'field-note' });
   private readonly changed_ = el('p', { class: 'accuracy-changed' });
   private readonly words_ = el('p', { class: 'accuracy-words' });
@@ -42,7 +41,8 @@ export class AccuracyPanel {
     private readonly viewer_: Viewer,
   ) {
     const hooks = {
-      look: (row: AccuracyRow | null) => this.look(row),
+      look: (row: AccuracyRow) => this.look(row),
+      leave: (row: AccuracyRow) => this.looked_ === row && this.look(null),
       choose: (row: AccuracyRow) => this.choose(row),
     };
     this.plot_ = new AccuracyPlot(hooks);
@@ -53,8 +53,8 @@ export class AccuracyPanel {
     this.button_.addEventListener('click', () => this.press());
     this.back_.addEventListener('click', () => this.chooseGiven());
     this.result_ = el('section', { class: 'accuracy-result', 'aria-label': 'What was measured', hidden: true });
-    this.result_.append(this.title_, this.facts_, this.changed_, this.plot_.element, this.words_, this.back_);
-    this.result_.append(this.list_.element, this.wipe_.element);
+    this.result_.append(this.changed_, this.plot_.element, this.words_, this.back_, this.list_.element);
+    this.result_.append(this.wipe_.element, this.facts_);
     const controls = el('div', { class: 'accuracy-controls' }, this.button_, this.seconds_);
     panel_.body.append(controls, this.progress_, this.what_, this.status_, this.error_, this.result_);
     viewer_.on(['accuracy', 'connection', 'watching', 'scene'], () => this.refresh());
@@ -96,7 +96,6 @@ export class AccuracyPanel {
     this.marked_ = [];
     this.result_.hidden = measured === null;
     if (measured === null) return;
-    setText(this.title_, displayName(measured.accuracy.scene));
     setText(this.facts_, factWords(measured));
     this.plot_.draw(measured);
     this.list_.show(measured, this.viewer_.settings.rows);
@@ -105,6 +104,7 @@ export class AccuracyPanel {
   }
 
   private look(row: AccuracyRow | null): void {
+    if (row === this.looked_) return;
     this.looked_ = row;
     this.mark();
   }
@@ -146,9 +146,13 @@ function statusWords(state: AccuracyState, measured: Measured | null, watches: b
   if (state.name === 'measuring') return 'Measuring the view as it was when asked.';
   if (state.name === 'ended' && !state.wrong) return state.text;
   if (watches) return 'Only who drives this view may have it measured.';
-  if (state.name === 'ready' && measured !== null) return `Measured: ${measured.accuracy.rows.length} rows.`;
+  if (state.name === 'ready' && measured !== null) return doneWords(measured.accuracy);
   if (state.name !== 'idle') return '';
   return 'Turns each setting of this view, and tells what it costs in time and how far from exact the picture is.';
+}
+
+function doneWords({ scene, device, width, height, rows }: Accuracy): string {
+  return `${displayName(scene)} on ${device}, ${width} × ${height} pixels: ${rows.length} rows measured.`;
 }
 
 function summaryWords(state: AccuracyState, measured: Measured | null): string {

@@ -16,10 +16,17 @@ const TOP = 20;
 const BOTTOM = 32;
 const REACH = 24; // CSS pixels from which a point is meant
 const MOST_TICKS = 6;
+const KEY = [
+  ['best', 'best for its time'],
+  ['given', 'as it was'],
+  ['', 'other'],
+] as const;
 
 export interface RowHooks {
-  /** The row that is pointed at or has the focus; null: none. */
-  look(row: AccuracyRow | null): void;
+  /** A row is pointed at or has the focus. */
+  look(row: AccuracyRow): void;
+  /** No longer; what something else looks at meanwhile stays. */
+  leave(row: AccuracyRow): void;
   choose(row: AccuracyRow): void;
 }
 
@@ -30,7 +37,6 @@ interface Point {
   readonly dot: SVGElement;
 }
 
-const timeTick = (ms: number): string => (ms >= 1000 ? `${ms / 1000} s` : `${ms} ms`);
 const errorTick = (error: number): string => `${Number((100 * error).toPrecision(3))} %`;
 
 export class AccuracyPlot {
@@ -39,19 +45,22 @@ export class AccuracyPlot {
   private points_: readonly Point[] = [];
 
   constructor(hooks: RowHooks) {
-    this.element = el('div', { class: 'accuracy-plot' }, this.drawing_);
-    const show = (event: PointerEvent): void => {
-      const row = this.near(event)?.row ?? null;
+    const key = KEY.map(([kind, words]) => el('li', {}, el('span', { class: `key ${kind}` }), words));
+    this.element = el('div', {}, this.drawing_, el('ul', { class: 'accuracy-key', 'aria-hidden': 'true' }, ...key));
+    let pointed: AccuracyRow | null = null;
+    const point = (row: AccuracyRow | null): void => {
       this.drawing_.classList.toggle('near', row !== null);
-      hooks.look(row);
+      if (row === null && pointed !== null) hooks.leave(pointed);
+      if (row !== null) hooks.look(row);
+      pointed = row;
     };
-    this.drawing_.addEventListener('pointermove', show);
-    this.drawing_.addEventListener('pointerleave', () => hooks.look(null));
+    this.drawing_.addEventListener('pointermove', (event) => point(this.near(event)?.row ?? null));
+    this.drawing_.addEventListener('pointerleave', () => point(null));
     this.drawing_.addEventListener('click', (event) => {
-      const point = this.near(event);
-      if (point === null) return;
-      hooks.choose(point.row);
-      hooks.look(point.row); // a finger leaves before it clicks
+      const near = this.near(event);
+      if (near === null) return;
+      hooks.choose(near.row);
+      hooks.look(near.row); // a finger leaves before it clicks
     });
   }
 
@@ -103,12 +112,13 @@ export class AccuracyPlot {
 }
 
 function axes(times: LogScale, errors: LogScale): readonly SVGElement[] {
+  const [unit, ms] = times.low >= 500 ? ['s', 1000] : ['ms', 1];
   const [right, bottom] = [WIDTH - RIGHT, HEIGHT - BOTTOM];
-  const across = logTicks(times, MOST_TICKS).flatMap((ms) => {
-    const x = LEFT + (right - LEFT) * times.at(ms);
+  const across = logTicks(times, MOST_TICKS).flatMap((time) => {
+    const x = LEFT + (right - LEFT) * times.at(time);
     return [
       drawn('line', { class: 'grid', x1: x, x2: x, y1: TOP, y2: bottom }),
-      drawn('text', { class: 'middle', x: Math.min(x, right - 12), y: bottom + 13 }, timeTick(ms)),
+      drawn('text', { class: 'middle', x: Math.min(x, right - 12), y: bottom + 13 }, String(time / ms)),
     ];
   });
   const up = logTicks(errors, MOST_TICKS).flatMap((error) => {
@@ -122,7 +132,7 @@ function axes(times: LogScale, errors: LogScale): readonly SVGElement[] {
     ...across,
     ...up,
     drawn('text', { x: 0, y: 10 }, 'error'),
-    drawn('text', { class: 'end', x: right, y: HEIGHT - 5 }, 'time of a frame'),
+    drawn('text', { class: 'end', x: right, y: HEIGHT - 5 }, `time of a frame, ${unit}`),
   ];
 }
 
