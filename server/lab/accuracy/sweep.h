@@ -27,7 +27,7 @@ struct AccuracyOptions {
     double budgetSeconds = 120.0;   // of FrameMaker::seconds
     uint32_t repetitions = 5;       // timings of a point, at most
     uint32_t referenceSamples = 0;  // of each reference; 0: as the budget allows
-    SettingCaps caps;               // values beyond them are not measured, but in references
+    SettingCaps caps;               // `settings` keep to them; values beyond them are measured in references alone
 };
 
 /// Of all views together: root mean squares of errors, means of the rest, the worst `p99`.
