@@ -152,7 +152,7 @@ function statusWords(state: AccuracyState, measured: Measured | null, watches: b
 }
 
 function doneWords({ scene, device, width, height, rows }: Accuracy): string {
-  return `${displayName(scene)} on ${device}, ${width} × ${height} pixels: ${rows.length} rows measured.`;
+  return `${displayName(scene)} on ${device}, ${width} × ${height} pixels: ${rows.length} rows.`;
 }
 
 function summaryWords(state: AccuracyState, measured: Measured | null): string {
