@@ -39,11 +39,12 @@ pool/node            base kernel scene request film device schedule render pool 
 lab                  base kernel scene request film device schedule render
 lab/accuracy         base kernel scene images request film device schedule render encode lab pace
 lab/live             base kernel scene request film device schedule render lab lab/accuracy pace
+lab/view             base kernel scene request film device schedule render encode loop lab lab/accuracy
 lab/convergence      base kernel scene request film device render lab lab/accuracy
 pace                 base
 loop                 base kernel scene request film device schedule render pace
 viewer               base kernel scene scene/load request film device schedule render pace loop encode net net/guard
-stream               base kernel scene scene/load request film device schedule render pace loop net net/guard viewer
+stream               base kernel scene scene/load request film device schedule render pace loop net net/guard viewer lab/view
 operations           base kernel scene request film net net/guard net/listen viewer
 service              base kernel scene scene/load request film device schedule render loop encode net net/guard viewer stream operations
 app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool pool/wire pool/node lab lab/accuracy lab/convergence lab/live viewer stream operations service uploads

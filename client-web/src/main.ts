@@ -5,6 +5,7 @@ import { Banner } from './page/banner.js';
 import { exposeDiagnostics } from './page/diagnostics.js';
 import { DisplayError } from './picture/display.js';
 import { el, iconButton, setText } from './page/dom.js';
+import { whenFirstOpened } from './panels/lazy_panel.js';
 import { isEffectRow } from './panels/effects/effect_rows.js';
 import { EffectsPanel } from './panels/effects/effects_panel.js';
 import { attachFocus } from './page/focus.js';
@@ -26,14 +27,18 @@ import { StatsPanel } from './panels/statistics/stats_panel.js';
 import { copyPicture } from './page/copy_picture.js';
 import { recall, remember } from './page/storage.js';
 import { Toasts } from './page/toast.js';
-import { Dock, SceneBar, type DockHooks, type SceneBarHooks } from './page/toolbar.js';
+import { Dock, SceneBar, type DockHooks, type Panels, type SceneBarHooks } from './page/toolbar.js';
 import { traceFile } from './picture/frame_trace.js';
 import { UploadView } from './upload/upload_view.js';
 import { Viewer } from './viewer.js';
 import { Compare } from './views/compare.js';
 import { ViewShelf } from './views/view_shelf.js';
 import { copyText, ViewLink } from './page/view_link.js';
+import './panels/accuracy/accuracy_panel.css'; // a panel that is loaded later brings none
 import './page/access.css'; // after what it says otherwise
+
+/** One below the other. */
+const COLUMN = ['light', 'settings', 'effects', 'accuracy'] as const;
 
 const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg', vp9: 'vp9' } as const;
 
@@ -131,6 +136,7 @@ function sceneBarHooks(
   canvas: HTMLCanvasElement,
   compare: Compare,
   toasts: Toasts,
+  panels: Panels,
   ownFiles: () => void,
 ): SceneBarHooks {
   const shelf = new ViewShelf(viewer, canvas, () => link.link());
@@ -138,6 +144,7 @@ function sceneBarHooks(
     copyLink: () => void copyLink(link.link(), toasts),
     views: () => shelf.items(),
     compare: () => compare.begin(),
+    measure: () => panels.accuracy.setOpen(true),
     ownFiles,
   };
 }
@@ -199,20 +206,25 @@ function attachKeys(
   });
 }
 
-function makePanels(viewer: Viewer): Readonly<Record<'statistics' | 'light' | 'settings' | 'effects', Panel>> {
+function makePanels(viewer: Viewer): Panels {
   const group: Panel[] = [];
   const roomy = window.matchMedia('(min-width: 1281px) and (min-height: 721px)').matches; // else too little picture is left
   const statistics = new Panel('statistics', 'Statistics', group, roomy);
   const light = new Panel('light', 'Light', group, false);
   const settings = new Panel('settings', 'Settings', group);
   const effects = new Panel('effects', 'Effects', group, false);
+  const accuracy = new Panel('accuracy', 'Accuracy', group, false);
   new StatsPanel(statistics, viewer);
   const lights = new LightPanel(light, viewer);
   const inLight = { title: 'Light', has: isLightRow, open: (name: string) => lights.open(name) };
   const list = new EffectsPanel(effects, viewer, inLight);
   const inEffects = { title: 'Effects', has: isEffectRow, open: (name: string) => list.open(name) };
   new SettingsPanel(settings, viewer, [inLight, inEffects]);
-  return { statistics, light, settings, effects };
+  whenFirstOpened(accuracy, async () => {
+    const { AccuracyPanel } = await import('./panels/accuracy/accuracy_panel.js');
+    return () => void new AccuracyPanel(accuracy, viewer);
+  });
+  return { statistics, light, settings, effects, accuracy };
 }
 
 function start(): void {
@@ -252,10 +264,10 @@ function start(): void {
     errors.card,
     pick.marks,
     pick.card,
-    new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts, () => upload.choose())).element,
+    new SceneBar(viewer, sceneBarHooks(viewer, link, canvas, compare, toasts, panels, () => upload.choose())).element,
     dock.element, // before the panels, whose many fields would stand between it and the picture
     panels.statistics.element,
-    el('div', { class: 'column' }, panels.light.element, panels.settings.element, panels.effects.element),
+    el('div', { class: 'column' }, ...COLUMN.map((name) => panels[name].element)),
     restore,
     banner.element,
     toasts.element,

@@ -6,7 +6,7 @@ import { framing, type Camera } from './camera/camera.js';
 import type { Vec3 } from './camera/vector.js';
 import { Display } from './picture/display.js';
 import { Frames } from './frames.js';
-import { EffectCostModel } from './panels/effects/effect_costs.js';
+import { Measuring } from './measuring.js';
 import { pictureBox, placeInPicture } from './picture/picture_box.js';
 import { parseFrame, ProtocolError, type Frame } from './wire/frame.js';
 import { parseMessage, PROTOCOL, type Hello, type PathResult } from './wire/protocol.js';
@@ -43,7 +43,7 @@ export class Viewer {
     () => this.settings.value('showError') === true,
     () => this.emit('errors'),
   );
-  readonly effectCosts = new EffectCostModel(() => this.emit('effectCosts'));
+  readonly measuring = this.makeMeasuring();
   readonly pick = new PickModel(
     (id, x, y) => this.connection_.send({ type: 'pick', id, x, y }),
     () => this.emit('pick'),
@@ -211,14 +211,6 @@ export class Viewer {
     this.emit('frame');
   }
 
-  /** Asks what each effect costs here; the answer comes as state `effectCosts`. */
-  measureEffects(): void {
-    if (this.seat.drivenByOthers()) return;
-    if (!this.connection_.isOpen || this.state.ready === null || this.effectCosts.state.name === 'measuring') return;
-    this.connection_.send({ type: 'effectCosts' });
-    this.effectCosts.asked();
-  }
-
   /** Asks what is at this place of the window, CSS pixels. */
   pickAt(x: number, y: number): void {
     const frame = this.state.lastFrame;
@@ -254,7 +246,8 @@ export class Viewer {
       handle();
     } catch (error) {
       if (!(error instanceof ProtocolError)) throw error;
-      this.onMessage({ kind: 'error', text: `The server sent something this page cannot read (${error.message}).` });
+      const text = `The server sent something this page cannot read (${error.message}).`;
+      if (!this.measuring.refused(text, error.message.split('.')[0]!)) this.onMessage({ kind: 'error', text });
     }
   }
 
@@ -266,16 +259,14 @@ export class Viewer {
       this.display_.reset();
       this.frames_.reset();
       this.partition.forget();
-      this.effectCosts.disconnected();
+      this.measuring.disconnected();
       this.stream.motionToPhoton.reset();
       this.stream.trace.reset();
       this.state.picturesAwaited = 0;
       this.state.pathPlaying = false;
       this.state.scene = null; // until the server says what it shows
       this.controller.enabled = true;
-      this.emit('scene');
-      this.emit('path');
-      this.emit('frame');
+      for (const topic of ['scene', 'path', 'frame'] as const) this.emit(topic);
     }
     this.emit('connection');
   }
@@ -292,7 +283,8 @@ export class Viewer {
         this.partition.settingsChanged();
         return this.emit('settings');
       case 'effectCosts':
-        return this.effectCosts.answered(message, this.state.readyName);
+      case 'accuracy':
+        return this.measuring.answered(message, this.state.readyName);
       case 'picked':
         return this.pick.answered(message);
       case 'errors':
@@ -316,15 +308,11 @@ export class Viewer {
       case 'error':
         return this.error(message.message, message.about, message.inputId);
       case 'pong':
-        return this.pong(performance.now() - message.time);
+        this.connection_.roundTripMs = performance.now() - message.time;
+        return this.stream.roundTrips.push(this.connection_.roundTripMs);
       case undefined:
         return; // a message of a kind that this page does not know
     }
-  }
-
-  private pong(roundTripMs: number): void {
-    this.stream.roundTrips.push(roundTripMs);
-    this.connection_.roundTripMs = roundTripMs;
   }
 
   private hello(hello: Hello): void {
@@ -354,6 +342,15 @@ export class Viewer {
     this.connection_.send({ type: 'client', visible: !document.hidden, exact: true, vp9: this.video_.works });
   }
 
+  private makeMeasuring(): Measuring {
+    return new Measuring({
+      send: (message) => this.connection_.send(message),
+      changed: (topic) => this.emit(topic),
+      may: () => !this.seat.drivenByOthers() && this.connection_.isOpen && this.state.ready !== null,
+      now: () => ({ camera: this.controller.camera, values: this.settings.values(), size: this.state.resolution }),
+    });
+  }
+
   private makeSeat(): Seat {
     const hooks = {
       send: (message: ViewerMessage) => this.connection_.send(message),
@@ -361,6 +358,7 @@ export class Viewer {
       notice: (text: string) => this.onMessage({ kind: 'notice', text }),
       changed: () => {
         this.controller.enabled = !this.watching.active && !this.state.pathPlaying;
+        if (this.watching.active) this.measuring.accuracy.handedOver();
         this.emit('watching');
       },
       drive: (restore: boolean) => this.drive(restore),
@@ -411,7 +409,7 @@ export class Viewer {
     this.partition.forget();
     this.state.ready = ready;
     if (this.state.readyName !== name) {
-      this.effectCosts.sceneChanged();
+      this.measuring.sceneChanged();
       this.pick.forget();
     }
     this.state.readyName = name;
@@ -437,7 +435,7 @@ export class Viewer {
     const names = about === 'settings' ? this.settings.refused(message, inputId) : [];
     if (about === 'scene') this.giveUpRestoring();
     if (about === 'watch' && this.seat.refused()) return;
-    if (about === 'effectCosts') return this.effectCosts.refused(message);
+    if (this.measuring.refused(message, about)) return;
     if (about === 'pick') this.pick.forget();
     if (names.length === 0) this.onMessage({ kind: 'error', text: message });
     this.emit('settings');

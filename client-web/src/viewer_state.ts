@@ -16,6 +16,7 @@ export type Topic =
   | 'partition'
   | 'errors'
   | 'effectCosts'
+  | 'accuracy'
   | 'camera'
   | 'pick'
   | 'jump' // the viewer is about to leave for another viewpoint or scene

@@ -52,50 +52,25 @@ struct EffectMeter::Round {
     RayCounts rays;
 };
 
-EffectMeter::EffectMeter(Turns& turns, std::function<void(News&&)> listener) : passes_(turns), listener_(std::move(listener)) {}
-
-EffectMeter::~EffectMeter() { drop(); }
-
-void EffectMeter::measure(Order order) {
-    std::lock_guard lock(mutex_);
-    next_ = std::move(order);
-    current_.request_stop();
-    if (!thread_.joinable()) thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
-    changed_.notify_all();
-}
-
-void EffectMeter::drop() {
-    std::lock_guard lock(mutex_);
-    next_.reset();
-    current_.request_stop();
-}
+EffectMeter::EffectMeter(Turns& turns, std::function<void(News&&)> listener)
+    : passes_(turns),
+      listener_(std::move(listener)),
+      thread_([this](const Order& order, std::stop_token dropped) { work(order, std::move(dropped)); }) {}
 
 std::optional<RunningStage> EffectMeter::stage(uint32_t viewer) const {
     const std::optional<double> seconds = passes_.held();
     return seconds ? std::optional(RunningStage{viewer, "effect costs", *seconds}) : std::nullopt;
 }
 
-void EffectMeter::run(std::stop_token stop) {
-    while (true) {
-        Order order;
-        std::stop_token dropped;
-        {
-            std::unique_lock lock(mutex_);
-            if (!changed_.wait(lock, stop, [&] { return next_.has_value(); })) return;
-            order = std::move(*next_);
-            next_.reset();
-            current_ = std::stop_source();
-            dropped = current_.get_token();
-        }
-        film_.emplace();
-        try {
-            std::optional<EffectCosts> costs = measured(order, dropped);
-            if (costs) listener_({order.number, 1.0, std::move(costs), ""});
-        } catch (const std::exception& e) {
-            listener_({order.number, 0.0, std::nullopt, e.what()});
-        }
-        film_.reset();
+void EffectMeter::work(const Order& order, std::stop_token dropped) {
+    film_.emplace();
+    try {
+        std::optional<EffectCosts> costs = measured(order, std::move(dropped));
+        if (costs) listener_({order.number, 1.0, std::move(costs), ""});
+    } catch (const std::exception& e) {
+        listener_({order.number, 0.0, std::nullopt, e.what()});
     }
+    film_.reset();
 }
 
 /// Nothing when it was dropped.

@@ -2,13 +2,12 @@
 // What each effect costs in a viewer's view, measured on demand beside the viewer's own frames. Its frames take turns on the
 // device like those of any viewer (turns.h), so nobody waits longer than for one viewer more; only time within turns counts.
 
+#include "server/loop/order_thread.h"
 #include "server/base/stage_clock.h"
 #include "server/request/effect_pair.h"
 #include "server/loop/finished_frame.h"
 
-#include <condition_variable>
 #include <span>
-#include <thread>
 
 namespace heliograph {
 
@@ -58,20 +57,17 @@ public:
 
     /// `listener` is called from the meter's thread without any lock held.
     EffectMeter(Turns& turns, std::function<void(News&&)> listener);
-    /// Ends the measuring and waits for the thread.
-    ~EffectMeter();
-
     /// Measures this; what was under way before is dropped without news.
-    void measure(Order order);
+    void measure(Order order) { thread_.order(std::move(order)); }
     /// Drops what is under way, without news and without waiting.
-    void drop();
+    void drop() { thread_.drop(); }
     /// A frame of it that the device is at. `viewer`: for whom.
     std::optional<RunningStage> stage(uint32_t viewer) const;
 
 private:
     struct Round;
 
-    void run(std::stop_token stop);
+    void work(const Order& order, std::stop_token dropped);
     std::optional<EffectCosts> measured(const Order& order, std::stop_token stop);
     std::optional<double> frame(const Order& order, FrameRequest request, std::stop_token stop, RayCounts& rays);
 
@@ -80,12 +76,7 @@ private:
     std::optional<Film> film_;  // while it measures
     ViewMemory memory_;
     uint32_t generation_ = 0;
-
-    std::mutex mutex_;  // of all below
-    std::condition_variable_any changed_;
-    std::optional<Order> next_;
-    std::stop_source current_;
-    std::jthread thread_;  // begins with the first order; last: it uses all of the above
+    OrderThread<Order> thread_;  // last: it uses all of the above
 };
 
 }  // namespace heliograph

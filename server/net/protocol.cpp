@@ -148,6 +148,14 @@ void read(const Fields& fields, PingMessage& message) {
 void read(const Fields& fields, TokenMessage& message) { message.token = fields.text("token", TOKEN_LIMIT); }
 void read(const Fields&, EffectCostsMessage&) {}
 
+void read(const Fields& fields, AccuracyMessage& message) {
+    message.seconds = fields.number("seconds");
+    if (message.seconds != 0.0 && (message.seconds < MIN_SWEEP_SECONDS || message.seconds > MAX_SWEEP_SECONDS)) {
+        fields.refuse("seconds", nlohmann::json(message.seconds).dump(),
+                      "0, or " + std::to_string(MIN_SWEEP_SECONDS) + " to " + std::to_string(MAX_SWEEP_SECONDS));
+    }
+}
+
 /// A place in the picture.
 double share(const Fields& fields, const char* name) {
     const double value = fields.number(name);

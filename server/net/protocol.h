@@ -84,6 +84,10 @@ struct TokenMessage {
 struct EffectCostsMessage {
     static constexpr const char* TYPE = "effectCosts";
 };
+struct AccuracyMessage {
+    static constexpr const char* TYPE = "accuracy";
+    double seconds = 0.0;  // to measure for; 0: what is measured is given up
+};
 struct FocusMessage {
     static constexpr const char* TYPE = "focus";
     uint32_t inputId = 0;
@@ -117,8 +121,8 @@ struct ClientMessage {
 };
 
 using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
-                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage, FocusMessage, PickMessage,
-                                   WatchMessage, DriveMessage, ClientMessage>;
+                                   PathMessage, PingMessage, TokenMessage, EffectCostsMessage, AccuracyMessage, FocusMessage,
+                                   PickMessage, WatchMessage, DriveMessage, ClientMessage>;
 
 /// A message that was refused: what it was about, and the input it would have been.
 class MessageError : public InputError {

@@ -2,7 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/base/log.h"
-#include "server/net/descriptors.h"
+#include "server/net/listen/descriptors.h"
 #include "server/net/guard/tcp_counts.h"
 #include "server/net/socket_loop.h"
 

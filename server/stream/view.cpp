@@ -15,6 +15,7 @@ View::View(SessionHost& host, uint32_t number, std::string id, const Settings& d
       id_(std::move(id)),
       caps_(caps),
       meter_(host.turns(), [this](EffectMeter::News&& news) { effectCosts(std::move(news)); }),
+      accuracyMeter_(host.turns(), [this](AccuracyMeter::News&& news) { accuracy(std::move(news)); }),
       loop_(host.turns(), *this) {
     request_.settings = capped(defaults, caps_);
 }
@@ -30,7 +31,7 @@ void View::stop() {
     sceneOrder_++;
     newest_.reset();
     picture_.reset();
-    meter_.drop();
+    dropMeasurements();
     loop_.stop();
 }
 
@@ -212,6 +213,7 @@ std::vector<RunningStage> View::stages(const Viewer& viewer) const {
     if (!seats_.empty() && seats_.front().viewer == &viewer) {
         add(loop_.stage(viewer.number()));
         add(meter_.stage(viewer.number()));
+        add(accuracyMeter_.stage(viewer.number()));
     }
     add(viewer.stage());
     return stages;

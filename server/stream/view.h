@@ -1,11 +1,12 @@
 #pragma once
 // One view of one scene, and all who look at it: the request (camera, settings, size), the scene, the loop that renders it, the
-// run along a path, focus, pictures and effect costs. The viewer who came first drives; the others watch: they are sent the same
+// run along a path, focus, pictures, effect costs and accuracy. The viewer who came first drives; the others watch: they are sent the same
 // frames, each as fast as it takes them, at its own quality and under input ids of its own. When the driver leaves, the one who
 // came next drives; when the last one leaves, the view ends.
 
 #include "server/loop/frame_loop.h"
 #include "server/loop/effect_meter.h"
+#include "server/lab/view/accuracy_meter.h"
 #include "server/request/setting_caps.h"
 #include "server/pace/admission.h"
 #include "server/stream/audience.h"
@@ -55,6 +56,7 @@ public:
     void handle(Viewer& viewer, const PictureMessage& message);
     void handle(const Viewer& viewer, const PathMessage& message);
     void handle(Viewer& viewer, const EffectCostsMessage& message);
+    void handle(Viewer& viewer, const AccuracyMessage& message);
     void handle(const Viewer& viewer, const FocusMessage& message);
     void handle(Viewer& viewer, const DriveMessage& message);
     void handle(const Viewer& viewer, const PickMessage& message);
@@ -122,6 +124,9 @@ private:
     void rest();
     void effectCosts(EffectMeter::News&& news);
     void dropEffectCosts(const std::string& why);
+    void accuracy(AccuracyMeter::News&& news);
+    void giveUpAccuracy();
+    void dropMeasurements();
 
     void openScene(const std::string& name);
     void sceneProgress(uint64_t order, const std::string& what, double share);
@@ -158,8 +163,12 @@ private:
     uint64_t costsOrder_ = 0;  // the newest asked for
     bool costsAwaited_ = false;
     Clock::time_point costsAt_{};
+    uint64_t accuracyOrder_ = 0;  // the newest asked for
+    bool accuracyAwaited_ = false;
+    Clock::time_point accuracyAt_{};
 
     EffectMeter meter_;
+    AccuracyMeter accuracyMeter_;
     FrameLoop loop_;  // ends first
 };
 

@@ -167,6 +167,18 @@ void View::handle(Viewer& viewer, const EffectCostsMessage&) {
     meter_.measure({++costsOrder_, sceneName_, scene_, request_});
 }
 
+void View::handle(Viewer& viewer, const AccuracyMessage& message) {
+    std::lock_guard lock(mutex_);
+    driver(viewer, AccuracyMessage::TYPE);
+    if (message.seconds > 0.0) checkVisible(AccuracyMessage::TYPE);
+    giveUpAccuracy();
+    if (message.seconds == 0.0) return;
+    accuracyAwaited_ = true;
+    accuracyAt_ = Clock::now();
+    viewer.say(accuracyMeasuringMessage(0.0, ""));
+    accuracyMeter_.measure({++accuracyOrder_, sceneName_, scene_, request_, caps_, message.seconds});
+}
+
 void View::handle(const Viewer& viewer, const FocusMessage& message) {
     std::lock_guard lock(mutex_);
     driver(viewer, FocusMessage::TYPE);
@@ -239,6 +251,34 @@ void View::dropEffectCosts(const std::string& why) {
     costsAwaited_ = false;
 }
 
+/// To who drives, from the meter's thread; takes the lock itself.
+void View::accuracy(AccuracyMeter::News&& news) {
+    const std::string ready = news.result ? accuracyReadyMessage(*news.result) : "";
+    std::lock_guard lock(mutex_);
+    if (ended_ || !accuracyAwaited_ || news.order != accuracyOrder_) return;
+    Viewer& viewer = *seats_.front().viewer;
+    if (news.result || !news.failure.empty()) {
+        accuracyAwaited_ = false;
+        viewer.say(news.result ? ready : accuracyFailedMessage(news.failure));
+    } else if (Clock::now() - accuracyAt_ >= PROGRESS_EVERY) {
+        accuracyAt_ = Clock::now();
+        viewer.say(accuracyMeasuringMessage(news.share, news.what));
+    }
+}
+
+void View::giveUpAccuracy() {
+    accuracyMeter_.drop();
+    if (accuracyAwaited_ && !seats_.empty()) seats_.front().viewer->say(accuracyGivenUpMessage());
+    accuracyAwaited_ = false;
+}
+
+/// Of effect costs and accuracy, without a word.
+void View::dropMeasurements() {
+    meter_.drop();
+    accuracyMeter_.drop();
+    costsAwaited_ = accuracyAwaited_ = false;
+}
+
 void View::openFirstScene() {
     const std::vector<SceneRecipe> scenes = host_.scenes();
     if (!scenes.empty()) openScene(scenes.front().name);
@@ -297,6 +337,7 @@ void View::sceneReady(uint64_t order, std::shared_ptr<ResidentScene> scene) {
             seat.viewer->say(errorMessage("picture: the scene was changed before it was finished", "picture", std::nullopt));
     }
     dropEffectCosts("the scene was changed before they were measured");
+    giveUpAccuracy();
     request_.camera = cameraFrom(startCamera(*scene_->scene, aspect()));
     request_.received = Clock::now();
     for (const Seat& seat : seats_) tellScene(*seat.viewer);

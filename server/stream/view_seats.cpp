@@ -62,8 +62,7 @@ bool View::leave(Viewer& viewer) {
 /// As long as nobody looks.
 void View::rest() {
     newest_.reset();
-    meter_.drop();
-    costsAwaited_ = false;
+    dropMeasurements();
     request_.moving = false;
     if (playing_) loop_.playPath(false);
 }
@@ -79,8 +78,7 @@ bool View::end() {
 
 /// From now on it drives.
 void View::promote(Seat& seat, std::optional<uint32_t> inputId) {
-    meter_.drop();
-    costsAwaited_ = false;
+    dropMeasurements();
     request_.viewer = seat.viewer->number();
     request_.inputId = seat.inputId;
     request_.settings.jpegQuality = seat.quality;
@@ -155,6 +153,7 @@ void View::ask(Seat& seat, uint32_t inputId) {
 /// driver's message.
 void View::handOver(Seat& next, uint32_t inputId) {
     dropEffectCosts("the view was handed over before they were measured");
+    giveUpAccuracy();
     const std::optional<uint32_t> asked = next.asked;
     seats_.front().inputId = inputId;
     const auto place = seats_.begin() + (&next - seats_.data());

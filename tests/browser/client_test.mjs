@@ -4,6 +4,7 @@
 
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { accuracyChecks } from './accuracy_test.mjs';
 import { effectChecks } from './effects_test.mjs';
 import { fakeChecks } from './fake_test.mjs';
 import { doorChecks } from './door_test.mjs';
@@ -410,6 +411,7 @@ try {
   await resumeChecks(checks);
   await fakeChecks(checks);
   await effectChecks(checks);
+  await accuracyChecks(checks);
   await keyChecks(checks);
   await doorChecks(checks);
   await panelChecks(checks);

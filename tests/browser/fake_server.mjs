@@ -9,6 +9,7 @@ import { createRequire } from 'node:module';
 import { dirname, extname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { deviceKinds, effectCosts, effects, PARTS, partition, SCHEDULER, schema } from './fake_data.mjs';
+import { accuracy } from './fake_accuracy.mjs';
 import { paint } from './fake_picture.mjs';
 
 const here = dirname(fileURLToPath(import.meta.url));
@@ -23,7 +24,7 @@ const omitted = (process.env.HELIOGRAPH_FAKE_OMIT ?? '').split(',');
 const SCHEMA = schema(omitted);
 
 /** What the tests change by /control?name=value, and what viewers said, which /received answers and forgets. */
-const control = { partition: 'on', costs: 'ready', given: '', refuse: '', why: '', idle: '' };
+const control = { partition: 'on', costs: 'ready', accuracy: 'ready', given: '', refuse: '', why: '', idle: '' };
 let received = [];
 
 const SCENES = [
@@ -72,7 +73,7 @@ class FakeViewer {
     this.say({ type: 'settings', values: this.settings });
     this.open(firstScene);
     this.timers = [setInterval(() => this.frame(), 30), setInterval(() => this.stats(), 500)];
-    socket.on('close', () => this.timers.forEach(clearInterval));
+    socket.on('close', () => [...this.timers, this.sweep].forEach(clearInterval));
   }
 
   say(message) {
@@ -169,6 +170,8 @@ class FakeViewer {
         return this.play(message.playing);
       case 'effectCosts':
         return this.measure();
+      case 'accuracy':
+        return this.measureView(message.seconds);
       case 'watch': // a new connection knows no view but its own
         return this.say({ type: 'error', message: 'watch.view: no such view', about: 'watch', inputId: message.inputId });
       case 'client': // what the viewer's computer is, and whether the page is seen: nothing to answer
@@ -211,6 +214,26 @@ class FakeViewer {
       this.say(effectCosts(scene));
     };
     setTimeout(finish, 900);
+  }
+
+  /** Ends when `control.accuracy` is no longer "hold": by what it says, or by the viewer's wish. */
+  measureView(seconds) {
+    clearInterval(this.sweep);
+    const say = (state, more = {}) => this.say({ type: 'accuracy', state, ...more });
+    if (control.accuracy === 'refuse') return this.refuse('accuracy: only who drives a view may have it measured', 'accuracy');
+    if (seconds === 0) return say('given-up');
+    const begin = { scene: this.scene, camera: this.camera };
+    let step = 0;
+    const next = () => {
+      if (this.scene !== begin.scene || (step === 3 && control.accuracy !== 'hold')) clearInterval(this.sweep);
+      if (this.scene !== begin.scene) return say('given-up');
+      if (step < 3) return say('measuring', { share: 0.2 * step, what: `aoSamples=${(step++ + 1) ** 2}, about ${seconds - step} s left` });
+      if (control.accuracy === 'ready') this.say(accuracy(begin.scene, begin.camera));
+      if (control.accuracy === 'broken') say('ready', { size: [0, 0] });
+      if (control.accuracy === 'failed') say('failed', { what: 'the device was lost' });
+    };
+    next();
+    this.sweep = setInterval(next, 100);
   }
 
   /** A chair in front of a wall; the sky above. */

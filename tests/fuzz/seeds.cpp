@@ -28,6 +28,7 @@ std::vector<Seed> messages() {
         R"({"type":"path","playing":true})",
         R"({"type":"ping","time":1.5})",
         R"({"type":"effectCosts"})",
+        R"({"type":"accuracy","seconds":30})",
         R"({"type":"focus","inputId":10,"x":0.5,"y":0.5})",
         R"({"type":"watch","inputId":11,"view":"0123456789abcdef0123456789abcdef"})",
         R"({"type":"watch","inputId":12})",

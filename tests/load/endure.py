@@ -124,6 +124,7 @@ def storm(options):
         lambda v: v.say(type='ping', time=1.0),
         lambda v: v.say(type='picture', format='png'),
         lambda v: v.say(type='effectCosts'),
+        lambda v: v.say(type='accuracy', seconds=rng.choice((0, 3, 5))),
     ]
     while time.monotonic() - start < options.storm:
         for viewer in viewers:

@@ -22,7 +22,11 @@ export interface SceneBarHooks {
   readonly ownFiles: () => void;
   /** Freezes the picture to compare with what comes. */
   readonly compare: () => void;
+  /** Opens the panel that measures the view. */
+  readonly measure: () => void;
 }
+
+export type Panels = Readonly<Record<'statistics' | 'light' | 'settings' | 'effects' | 'accuracy', Panel>>;
 
 /** Scene, viewpoint and what there is to know of the scene. */
 export class SceneBar {
@@ -99,12 +103,14 @@ export class SceneBar {
     }));
     const path = { label: 'Play the path', description: 'A benchmark: along the scene’s own way, as F2' };
     const compare = { label: 'Compare', description: 'Freezes this picture, to wipe between it and what comes' };
+    const measure = { label: 'Accuracy', description: 'Measures what each setting costs here, and what it buys' };
     return [
       { label: 'Reset view', hint: 'R', choose: () => this.viewer_.resetView() },
       ...named,
       ...this.hooks_.views(),
       ...((this.viewer_.state.ready?.paths.length ?? 0) > 0 ? [{ ...path, choose: () => this.viewer_.togglePath() }] : []),
       { ...compare, choose: this.hooks_.compare },
+      { ...measure, choose: this.hooks_.measure },
     ];
   }
 }
@@ -204,7 +210,7 @@ export class Dock {
 
   constructor(
     private readonly viewer_: Viewer,
-    panels: Readonly<Record<'statistics' | 'light' | 'settings' | 'effects', Panel>>,
+    panels: Panels,
     private readonly hooks_: DockHooks,
   ) {
     const help = iconButton('help', 'Help', 'H', 'tool');
@@ -226,6 +232,7 @@ export class Dock {
       this.panelButton('bulb', 'Light', panels.light),
       this.panelButton('sliders', 'Settings', panels.settings),
       this.panelButton('sparkle', 'Effects', panels.effects),
+      this.panelButton('scatter', 'Accuracy', panels.accuracy, 'accuracy'),
       separator(),
       help,
       hide,
@@ -240,8 +247,8 @@ export class Dock {
     this.viewer_.controller.setMode(this.viewer_.controller.mode === 'fly' ? 'orbit' : 'fly');
   }
 
-  private panelButton(name: IconName, label: string, panel: Panel): HTMLButtonElement {
-    const button = iconButton(name, label, '', 'tool');
+  private panelButton(name: IconName, label: string, panel: Panel, kind = ''): HTMLButtonElement {
+    const button = iconButton(name, label, '', `tool ${kind}`.trim());
     button.addEventListener('click', () => panel.setOpen(!panel.isOpen));
     panel.onToggle((open) => button.setAttribute('aria-pressed', String(open)));
     return button;

@@ -1,5 +1,7 @@
 // Reads values out of JSON from the server: each helper answers a typed value or a harmless stand-in for one.
 
+import type { SettingValue, SettingValues } from './protocol.js';
+
 export type Fields = Readonly<Record<string, unknown>>;
 export type Numbers = Readonly<Record<string, number>>;
 
@@ -17,4 +19,12 @@ export function numbersOf(value: unknown): Numbers {
     if (typeof entry === 'number' && Number.isFinite(entry)) numbers[name] = entry;
   }
   return numbers;
+}
+
+export function settingValuesOf(value: unknown): SettingValues {
+  const values: Record<string, SettingValue> = {};
+  for (const [name, entry] of Object.entries(fieldsOf(value))) {
+    if (typeof entry === 'boolean' || typeof entry === 'number' || typeof entry === 'string') values[name] = entry;
+  }
+  return values;
 }

@@ -2,8 +2,9 @@
 // of the page deals with typed values only.
 
 import type { Bounds, Camera } from '../camera/camera.js';
-import { fieldsOf, isObject, listOf, numberOf, numbersOf, textOf, type Fields, type Numbers } from './fields.js';
+import { fieldsOf, isObject, listOf, numberOf, numbersOf, settingValuesOf, textOf, type Fields, type Numbers } from './fields.js';
 import { ProtocolError } from './frame.js';
+import { accuracyOf, type AccuracyMessage } from './accuracy_message.js';
 import { cameraOf, vectorOf } from './camera_fields.js';
 import { effectCostsOf, type EffectCostsMessage } from './effect_costs_message.js';
 import { errorMapOf, type ErrorMap } from './errors_message.js';
@@ -196,6 +197,7 @@ export type ServerMessage =
   | Stats
   | Partition
   | ErrorMap
+  | AccuracyMessage
   | EffectCostsMessage
   | PickedMessage
   | WatchingMessage
@@ -215,14 +217,6 @@ function sizeOf(value: unknown, where: string): readonly [number, number] {
     throw new ProtocolError(`${where}: ${JSON.stringify(value)}, allowed: two numbers`);
   }
   return [width, height];
-}
-
-function settingValuesOf(value: unknown): SettingValues {
-  const values: Record<string, SettingValue> = {};
-  for (const [name, entry] of Object.entries(fieldsOf(value))) {
-    if (typeof entry === 'boolean' || typeof entry === 'number' || typeof entry === 'string') values[name] = entry;
-  }
-  return values;
 }
 
 function settingRowOf(value: unknown): SettingRow {
@@ -447,6 +441,8 @@ export function parseMessage(text: string): ServerMessage | null {
       return sceneOf(fields);
     case 'stats':
       return statsOf(fields);
+    case 'accuracy':
+      return accuracyOf(fields);
     case 'effectCosts':
       return effectCostsOf(fields);
     case 'picked':

@@ -14,6 +14,7 @@ export type ViewerMessage =
   | { type: 'picture'; format: PictureFormat }
   | { type: 'path'; playing: boolean }
   | { type: 'effectCosts' }
+  | { type: 'accuracy'; seconds: number } // to measure the view for; 0: gives that up
   | { type: 'pick'; id: number; x: number; y: number } // 0..1 of the picture, from its top left corner
   | { type: 'watch'; inputId: number; view?: string; key?: string } // without a view: one of its own
   | { type: 'drive'; inputId: number; viewer?: number; refuse?: boolean } // without a viewer: asks to drive

@@ -127,6 +127,7 @@ int runBenchAccuracy(const BenchAccuracyOptions& options, std::ostream& out) {
     if (!options.resume.empty()) state.emplace(options.resume);
     std::shared_ptr<const Scene> scene;
     std::unique_ptr<Renderer> device;
+    std::optional<RendererFrames> frames;
     std::optional<AccuracySweep> sweep;
     {
         ProgressBar bar;
@@ -135,7 +136,8 @@ int runBenchAccuracy(const BenchAccuracyOptions& options, std::ostream& out) {
         bounds.settings = given.settings;
         device = makeRenderer(given.settings);
         device->load(scene, given.settings, bar.progress());
-        sweep.emplace(*device, *scene, bounds);
+        frames.emplace(*device);
+        sweep.emplace(*frames, *scene, bounds);
         if (state) {
             state->read(*sweep);
             sweep->onStep([&] { state->write(*sweep, false); });

@@ -1,6 +1,5 @@
 #include "server/lab/accuracy/reference.h"
 
-#include "server/base/clock.h"
 #include "server/film/film.h"
 
 #include <cstring>
@@ -44,13 +43,13 @@ std::vector<glm::dvec3> renderSamples(Renderer& renderer, const FrameRequest& re
     return all;
 }
 
-void Reference::addRun(Renderer& renderer) {
+void Reference::addRun(FrameMaker& frames) {
     const size_t which = runs_[1] < runs_[0] ? 1 : 0;
     request_.seed = SEEDS[which];
     request_.generation++;
-    const StopWatch watch;
-    const std::vector<glm::dvec3> more = renderSamples(renderer, request_, BEGINNINGS[which] + RUN * runs_[which], RUN);
-    seconds_ += watch.seconds();
+    const double begin = frames.seconds();
+    const std::vector<glm::dvec3> more = frames.samples(request_, BEGINNINGS[which] + RUN * runs_[which], RUN);
+    seconds_ += frames.seconds() - begin;
     for (size_t i = 0; i < more.size(); i++) sums_[which][i] += more[i];
     runs_[which]++;
 }

@@ -4,7 +4,7 @@
 
 #include "server/base/progress.h"
 #include "server/lab/accuracy/error_metrics.h"
-#include "server/render/renderer.h"
+#include "server/lab/accuracy/frame_maker.h"
 
 #include <array>
 #include <span>
@@ -27,8 +27,8 @@ public:
     /// `request` as of a picture, of which seed and generation do not count.
     explicit Reference(const FrameRequest& request);
 
-    /// Gives RUN samples more to the half that has fewer. The renderer holds the scene already. Throws what it throws.
-    void addRun(Renderer& renderer);
+    /// Gives RUN samples more to the half that has fewer. Throws what `frames` throws.
+    void addRun(FrameMaker& frames);
     /// Samples of both halves together, per pixel.
     uint32_t samples() const { return RUN * (runs_[0] + runs_[1]); }
     bool hasBothHalves() const { return runs_[0] > 0 && runs_[1] > 0; }

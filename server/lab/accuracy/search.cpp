@@ -55,6 +55,7 @@ void AccuracySweep::search(const Progress& progress) {
         for (const Knob* knob : free) {
             for (const Settings& settings : neighbours(points_[from].settings, *knob)) {
                 if (over(1.0)) return;
+                if (!allowed(settings)) continue;
                 const size_t known = points_.size();
                 const size_t index = pointOf(differences(options_.settings, settings), settings);
                 if (index < known) continue;

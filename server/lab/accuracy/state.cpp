@@ -2,8 +2,6 @@
 
 #include "server/lab/accuracy/sweep.h"
 
-#include "server/base/clock.h"
-
 #include <algorithm>
 
 namespace heliograph {
@@ -93,7 +91,7 @@ ordered_json AccuracySweep::state() const {
     }
     return {{"format", "heliograph bench accuracy 1"},
             {"key", keyOf(*this)},
-            {"seconds", spentBefore_ + wallSeconds() - begin_},
+            {"seconds", spent()},
             {"points", points},
             {"rows", rows}};
 }

@@ -4,7 +4,6 @@
 #include "server/encode/tone_map.h"
 #include "server/lab/accuracy/coding.h"
 #include "server/lab/accuracy/pareto.h"
-#include "server/render/frame_renderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +12,6 @@ namespace heliograph {
 
 namespace {
 
-// Shares of the budget, each with those before.
-constexpr double REFERENCES_UNTIL = 0.4, SWEEP_UNTIL = 0.75;
 constexpr double LIGHT_SHARE = 0.4;  // of the references' time, for that of the path integrator
 
 double rootMeanSquare(const std::vector<double>& values) {
@@ -39,10 +36,10 @@ LinearError together(const std::vector<LinearError>& errors) {
 
 }  // namespace
 
-AccuracySweep::AccuracySweep(Renderer& renderer, const Scene& scene, AccuracyOptions options)
-    : renderer_(renderer), scene_(scene), options_(std::move(options)), begin_(wallSeconds()) {
-    device_ = renderer.infoFor(options_.settings).name;
-    core_ = heliograph::timedByCore(renderer, options_.settings);
+AccuracySweep::AccuracySweep(FrameMaker& frames, const Scene& scene, AccuracyOptions options)
+    : frames_(frames), scene_(scene), options_(std::move(options)), begin_(frames.seconds()) {
+    device_ = frames_.infoFor(options_.settings).name;
+    core_ = frames_.timedByCore(options_.settings);
     for (const AccuracyView& view : options_.views) {
         views_.push_back({view.camera, {}, {}, {}, {}, {}, {}});
         const size_t index = views_.size() - 1;
@@ -61,14 +58,11 @@ FrameRequest AccuracySweep::request(const Settings& settings, size_t view) {
     return frameRequest(scene_, views_[view].camera, settings, sizeFor(settings), ++generation_);
 }
 
-bool AccuracySweep::over(double share) const { return spentBefore_ + wallSeconds() - begin_ >= share * options_.budgetSeconds; }
-
 void AccuracySweep::say(const Progress& progress, const std::string& what) const {
-    const double spent = spentBefore_ + wallSeconds() - begin_;
-    const double left = options_.budgetSeconds - spent;
+    const double left = options_.budgetSeconds - spent();
     const std::string rest = left > 0.0 ? "about " + std::to_string(std::lround(left)) + " s left"
                                         : "over the budget: every setting is measured once";
-    report(progress, what + ", " + rest, spent / options_.budgetSeconds);
+    report(progress, what + ", " + rest, spent() / options_.budgetSeconds);
 }
 
 size_t AccuracySweep::pointOf(std::vector<std::string> set, const Settings& settings) {
@@ -92,6 +86,7 @@ void AccuracySweep::makeRows() {
         }
         for (std::string_view value : knob.values) {
             const Settings settings = turned(options_.settings, knob, value);
+            if (!allowed(settings)) continue;
             const std::string text = std::string(knob.setting) + "=" + std::string(value);
             const bool given = settings == options_.settings;
             const size_t index = pointOf({text}, settings);
@@ -131,7 +126,7 @@ void AccuracySweep::makeReferences(const Progress& progress) {
         for (View& view : views_) {
             Reference& reference = light ? view.light : view.own;
             const double before = reference.seconds();
-            if (!enough(reference)) reference.addRun(renderer_);
+            if (!enough(reference)) reference.addRun(frames_);
             (light ? lightSpent : ownSpent) += reference.seconds() - before;
         }
         say(progress, light ? "reference of all light" : "reference");
@@ -183,9 +178,9 @@ LinearError AccuracySweep::modelError() const {
 /// Renders one picture into the film and returns its wall milliseconds.
 double AccuracySweep::frame(const Settings& settings, size_t view, Timing& timing, double& coreMs) {
     const FrameRequest asked = request(settings, view);
-    renderer_.prepare(settings);  // trees of another quality are no part of a frame
+    frames_.prepare(settings);  // trees of another quality are no part of a frame
     const double core = processCpuSeconds();
-    const FrameStats stats = renderFrame(renderer_, asked, settings.samples, film_);
+    const FrameStats stats = frames_.frame(asked, settings.samples, film_);
     coreMs = 1e3 * (processCpuSeconds() - core);
     timing.rays.add(stats.rays);
     return stats.milliseconds;
@@ -306,13 +301,13 @@ std::vector<size_t> AccuracySweep::front() const {
 }
 
 void AccuracySweep::run(const Progress& progress) {
-    begin_ = wallSeconds();
+    begin_ = frames_.seconds();
     makeReferences(progress);
     finishReferences();
     sweep(progress);
     search(progress);
-    spentBefore_ += wallSeconds() - begin_;
-    begin_ = wallSeconds();
+    spentBefore_ = spent();
+    begin_ = frames_.seconds();
 }
 
 void AccuracySweep::sweep(const Progress& progress) {
@@ -345,15 +340,17 @@ void AccuracySweep::sweepKnob(const Knob& knob, uint32_t round, const Progress& 
     }
 }
 
-/// Pictures that are not at hand, since an earlier run has them timed, are rendered once more.
+/// Pictures that are not at hand, since an earlier run has them timed, are rendered once more. Beyond the caps nothing is known.
 void AccuracySweep::compare(AccuracyRow& row, const std::vector<LinearPicture>& pictures, const Knob& knob) {
     if (row.exact) {
         row.fromExact = 0.0;
         return;
     }
+    const Settings exact = turned(options_.settings, knob, knob.exact());
+    if (!allowed(exact)) return;
     const std::vector<LinearPicture> own = pictures.empty() ? this->pictures(points_[row.point].settings) : pictures;
     if (row.given) given_ = own;
-    if (exact_.empty()) exact_ = this->pictures(turned(options_.settings, knob, knob.exact()));
+    if (exact_.empty()) exact_ = this->pictures(exact);
     std::vector<double> apart;
     for (size_t view = 0; view < views_.size(); view++) {
         apart.push_back(linearError(compared(own[view]), compared(exact_[view])).rmse);

@@ -6,6 +6,7 @@
 #include "server/lab/accuracy/knobs.h"
 #include "server/lab/accuracy/reference.h"
 #include "server/lab/effect_bench.h"
+#include "server/request/setting_caps.h"
 
 #include <functional>
 #include <span>
@@ -22,10 +23,11 @@ struct AccuracyView {
 struct AccuracyOptions {
     Settings settings;  // as given: where every knob is turned from
     std::vector<AccuracyView> views;
-    uvec2 resolution{320, 180};  // at a renderScale of 1
-    double budgetSeconds = 120.0;
+    uvec2 resolution{320, 180};     // at a renderScale of 1
+    double budgetSeconds = 120.0;   // of FrameMaker::seconds
     uint32_t repetitions = 5;       // timings of a point, at most
     uint32_t referenceSamples = 0;  // of each reference; 0: as the budget allows
+    SettingCaps caps;               // `settings` keep to them; values beyond them are measured in references alone
 };
 
 /// Of all views together: root mean squares of errors, means of the rest, the worst `p99`.
@@ -73,8 +75,11 @@ struct PointTime {
 
 class AccuracySweep {
 public:
-    /// The renderer holds the scene already; both outlive this.
-    AccuracySweep(Renderer& renderer, const Scene& scene, AccuracyOptions options);
+    /// Shares of the budget, each with those before: of references, and of rounds over all points.
+    static constexpr double REFERENCES_UNTIL = 0.4, SWEEP_UNTIL = 0.75;
+
+    /// Both outlive this.
+    AccuracySweep(FrameMaker& frames, const Scene& scene, AccuracyOptions options);
 
     /// Called whenever something more is measured.
     void onStep(std::function<void()> step) { step_ = std::move(step); }
@@ -133,13 +138,15 @@ private:
     FrameRequest request(const Settings& settings, size_t view);
     LinearPicture compared(const LinearPicture& picture) const;
     uvec2 sizeFor(const Settings& settings) const;
-    bool over(double share) const;
+    double spent() const { return spentBefore_ + frames_.seconds() - begin_; }
+    bool over(double share) const { return spent() >= share * options_.budgetSeconds; }
+    bool allowed(const Settings& settings) const { return capped(settings, options_.caps) == settings; }
     void say(const Progress& progress, const std::string& what) const;
     void step() const {
         if (step_) step_();
     }
 
-    Renderer& renderer_;
+    FrameMaker& frames_;
     const Scene& scene_;
     AccuracyOptions options_;
     std::string device_;
@@ -153,7 +160,7 @@ private:
     std::vector<LinearPicture> latest_;  // of the point that was timed last
     Film film_;
     uint32_t generation_ = 0;
-    double begin_ = 0.0;        // wallSeconds
+    double begin_ = 0.0;        // FrameMaker::seconds
     double spentBefore_ = 0.0;  // in runs that this one goes on from
     std::function<void()> step_;
 };

@@ -120,9 +120,10 @@ std::optional<double> ConvergenceView::slope(uint32_t first, double ConvergenceR
 ConvergenceView measureConvergence(Renderer& renderer, const FrameRequest& request, const ConvergenceBounds& bounds,
                                    const Progress& progress) {
     const double all = double(bounds.samples) + bounds.referenceSamples;
+    RendererFrames frames(renderer);
     Reference reference(request);
     while (reference.samples() < bounds.referenceSamples) {
-        reference.addRun(renderer);
+        reference.addRun(frames);
         report(progress, "reference", reference.samples() / all);
     }
     const HalvedTruth truth(reference, variancesOf(renderer, request));

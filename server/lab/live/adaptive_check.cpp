@@ -147,9 +147,10 @@ std::string line(const AdaptiveView& view, const char* what, const AdaptivePictu
 
 AdaptiveView checkAdaptive(Renderer& renderer, const FrameRequest& request, const AdaptiveBounds& bounds,
                            const Progress& progress) {
+    RendererFrames frames(renderer);
     Reference reference(request);
     while (reference.samples() < bounds.referenceSamples) {
-        reference.addRun(renderer);
+        reference.addRun(frames);
         report(progress, "reference", static_cast<double>(reference.samples()) / bounds.referenceSamples);
     }
     const Truth truth(reference, bounds.white);

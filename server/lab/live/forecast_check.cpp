@@ -108,9 +108,10 @@ ForecastView checkForecast(Renderer& renderer, const FrameRequest& request, cons
                            const Progress& progress) {
     constexpr uint32_t LEAST_TO_STOP = 4;  // samples
     const double all = bounds.samples + bounds.referenceSamples;
+    RendererFrames frames(renderer);
     Reference reference(request);
     while (reference.samples() < bounds.referenceSamples) {
-        reference.addRun(renderer);
+        reference.addRun(frames);
         report(progress, "reference", reference.samples() / all);
     }
     const Truth truth(reference, bounds.white);

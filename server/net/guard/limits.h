@@ -22,6 +22,8 @@
     LIMIT(uint32_t, MIN_SIDE, 16, "pixels", "least width and height of a picture; less: `error`")                            \
     LIMIT(uint32_t, MAX_SIDE, 8192, "pixels", "largest width and height of a picture; more: `error`")                        \
     LIMIT(uint64_t, MAX_PIXELS, 33177600, "pixels", "of a picture (7680 x 4320); more: `error`")                             \
+    LIMIT(uint32_t, MIN_SWEEP_SECONDS, 5, "seconds", "least `seconds` of `accuracy` but for 0; less: `error`")               \
+    LIMIT(uint32_t, MAX_SWEEP_SECONDS, 600, "seconds", "most `seconds` of `accuracy`; more: `error`")                        \
     LIMIT(size_t, MAX_VIEWERS, 32, "viewers", "unless `--max-viewers` says otherwise; another one: HTTP 503")                \
     LIMIT(uint32_t, MAX_UNACKED, 32, "frames", "on their way to a viewer at most; fewer where the line holds fewer")         \
     LIMIT(size_t, PICTURES_WAITING, 2, "pictures", "that wait for a viewer who reads slowly; more: close 4008")              \

@@ -4,7 +4,7 @@
 #include "server/net/socket_server.h"
 
 #include "server/base/error.h"
-#include "server/net/descriptors.h"
+#include "server/net/listen/descriptors.h"
 #include "tests/support/until.h"
 #include "tests/support/web_client.h"
 

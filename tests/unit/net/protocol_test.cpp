@@ -64,6 +64,24 @@ TEST(Protocol, ReadsEveryOtherType) {
     EXPECT_EQ(std::get<TokenMessage>(parseViewerMessage(R"({"type":"token","token":"abc"})")).token, "abc");
 }
 
+TEST(Protocol, AccuracyIsMeasuredForSomeSecondsOrGivenUp) {
+    auto seconds = [](const std::string& text) {
+        return std::get<AccuracyMessage>(parseViewerMessage(R"({"type":"accuracy","seconds":)" + text + "}")).seconds;
+    };
+    EXPECT_EQ(seconds("5"), 5.0);
+    EXPECT_EQ(seconds("7.5"), 7.5);
+    EXPECT_EQ(seconds("600"), 600.0);
+    EXPECT_EQ(seconds("0"), 0.0);
+    for (const char* wrong : {"4.999", "600.5", "-1", "1e-300", "1e308", "\"5\"", "null", "true", "[5]"}) {
+        EXPECT_THROW(seconds(wrong), MessageError) << wrong;
+    }
+    const MessageError error = refusal(R"({"type":"accuracy","seconds":3})");
+    EXPECT_EQ(error.field(), "accuracy.seconds");
+    EXPECT_EQ(std::string(error.what()), "accuracy.seconds: 3.0; allowed: 0, or 5 to 600");
+    EXPECT_EQ(error.about(), "accuracy");
+    EXPECT_EQ(std::string(refusal(R"({"type":"accuracy"})").what()), "accuracy.seconds: missing; allowed: it must be there");
+}
+
 TEST(Protocol, AClientSaysWhatItIsLike) {
     const auto plain = std::get<ClientMessage>(parseViewerMessage(R"({"type":"client"})"));
     EXPECT_TRUE(plain.visible);

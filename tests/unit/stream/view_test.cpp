@@ -162,6 +162,8 @@ TEST_F(Watching, WhoWatchesDoesNotDrive) {
     b->say({{"type", "focus"}, {"x", 0.5}, {"y", 0.5}, {"inputId", 43}});
     b->say({{"type", "pick"}, {"x", 0.5}, {"y", 0.5}, {"id", 1}});
     b->say({{"type", "effectCosts"}});
+    b->say({{"type", "accuracy"}, {"seconds", 5}});
+    b->say({{"type", "accuracy"}, {"seconds", 0}});
     b->set("exposure", 2.0, 44);
     b->say({{"type", "settings"}, {"inputId", 45}, {"values", {{"jpegQuality", 20}, {"samples", 9}}}});
     std::vector<std::string> refused;
@@ -171,7 +173,7 @@ TEST_F(Watching, WhoWatchesDoesNotDrive) {
         EXPECT_THAT(text["message"], HasSubstr(": this view is driven by another viewer; allowed: in a view of your own"));
     }
     EXPECT_EQ(refused, (std::vector<std::string>{"camera", "resolution", "scene", "path", "focus", "pick", "effectCosts",
-                                                 "settings", "settings"}));
+                                                 "accuracy", "accuracy", "settings", "settings"}));
     EXPECT_EQ(b->socket->last("settings")["values"]["jpegQuality"], 80) << "all or none";
     EXPECT_EQ(a->socket->last("settings")["values"]["exposure"], 0.0);
     a->look(12);

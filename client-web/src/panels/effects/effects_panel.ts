@@ -36,7 +36,7 @@ export class EffectsPanel {
     private readonly viewer_: Viewer,
     private readonly light_: OtherPanel,
   ) {
-    this.button_.addEventListener('click', () => viewer_.measureEffects());
+    this.button_.addEventListener('click', () => viewer_.measuring.measureEffects());
     panel_.body.append(this.button_, this.progress_, this.error_, this.remark_, this.lists_);
     viewer_.on(['scene', 'hello', 'settings', 'stats', 'watching'], () => this.refresh());
     viewer_.on(['effectCosts', 'connection'], () => this.refreshCosts());
@@ -65,7 +65,7 @@ export class EffectsPanel {
     const on = can.filter(({ row }) => this.allowed(row)).length;
     setText(this.panel_.summary, effects.length === 0 ? 'no scene yet' : `${on} of ${can.length} on`);
     const rays = this.viewer_.state.stats?.rays ?? null;
-    const { state } = this.viewer_.effectCosts;
+    const { state } = this.viewer_.measuring.effects;
     const costs = state.name === 'ready' ? state.costs.rows : [];
     const scale = state.name === 'ready' ? state.costs.scale : 1;
     for (const item of this.items_) {
@@ -116,7 +116,7 @@ export class EffectsPanel {
   }
 
   private refreshCosts(): void {
-    const { state } = this.viewer_.effectCosts;
+    const { state } = this.viewer_.measuring.effects;
     const measuring = state.name === 'measuring';
     const label = measuring
       ? `Measuring … ${percent(state.share)}`

@@ -9,7 +9,7 @@ interface Pending {
 }
 
 /** Equal as the server stores them: numbers as 32-bit floats. */
-const sameValue = (a: SettingValue | undefined, b: SettingValue): boolean =>
+export const sameValue = (a: SettingValue | undefined, b: SettingValue): boolean =>
   typeof a === 'number' && typeof b === 'number' ? Math.fround(a) === Math.fround(b) : a === b;
 
 export class SettingsModel {
@@ -59,6 +59,11 @@ export class SettingsModel {
 
   defaults(): SettingValues {
     return Object.fromEntries(this.rows_.map((row) => [row.name, this.default(row)]));
+  }
+
+  /** The present values of all settings. */
+  values(): SettingValues {
+    return this.valuesOf(this.rows_.map(({ name }) => name));
   }
 
   /** The present values of these settings. */

@@ -91,7 +91,8 @@ TEST(KnobErrors, NeverRiseTowardsExactness) {
         options.views = {{"first", checkedCamera(cameraFrom(startCamera(*scene, 16.0 / 9.0)))}};
         test::DirectRenderer renderer(*device);
         renderer.load(scene, options.settings, {});
-        AccuracySweep sweep(renderer, *scene, options);
+        RendererFrames frames(renderer);
+        AccuracySweep sweep(frames, *scene, options);
         sweep.run({});
         const auto all = rowsByKnob(sweep);
         for (const Knob& knob : knobs()) {

@@ -1,4 +1,4 @@
-#include "server/net/descriptors.h"
+#include "server/net/listen/descriptors.h"
 
 #include <sys/resource.h>
 
