@@ -291,9 +291,9 @@ TEST(Session, WhoRestsIsToldSeldom) {
     EXPECT_EQ(told(), 2) << "that no more came";
     EXPECT_EQ(line.socket->last("stats")["framesPerSecond"], 0.0);
     line.session->tick(start + 2s);
-    line.session->tick(start + 9s);
+    line.session->tick(start + 20s);
     EXPECT_EQ(told(), 2);
-    line.session->tick(start + 12s);
+    line.session->tick(start + 37s);
     EXPECT_EQ(told(), 3);
     line.look(2);
     ASSERT_TRUE(line.socket->untilFrame(2));
