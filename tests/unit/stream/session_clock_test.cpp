@@ -299,7 +299,7 @@ TEST(Session, WhoRestsIsToldSeldom) {
     ASSERT_TRUE(line.socket->untilFrame(2));
     line.session->receive(json{{"type", "ack"}, {"frameId", line.socket->headers.back().frameId}}.dump());
     EXPECT_TRUE(test::until([&] {
-        line.session->tick(start + 13s);
+        line.session->tick(start + 38s);
         return told() > 3;
     })) << "of the next frame at once";
 }
