@@ -286,6 +286,8 @@ void SocketLoop::sweep() {
         if (viewer.guest) sweepGuest(viewer);
         weigh(wsi, viewer);
         ping(wsi, viewer);
+        // Who had no memory to wake this thread is not forgotten.
+        if (viewer.connection->hasOutput()) lws_callback_on_writable(wsi);
         if (inTime(wsi, viewer)) continue;
         // A close frame would wait behind what is not taken, so the connection is cut.
         if (!viewer.connection->closedWith)
