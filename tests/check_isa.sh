@@ -56,9 +56,9 @@ checkBuild() {
     status=0
     found=$(objdump -d --no-show-raw-insn "$1/heliograph" | judgeCode) || status=1
     expect "instructions of $1/heliograph" $status "$found"
-    for isa in v2 v3 v4; do
+    for which in tiles:device/embree/tile_programs_isa filter:denoise/filter_isa; do for isa in v2 v3 v4; do
         status=0
-        object=$1/CMakeFiles/heliograph_tiles_$isa.dir/server/device/embree/tile_programs_isa.cpp.o
+        object=$1/CMakeFiles/heliograph_${which%%:*}_$isa.dir/server/${which#*:}.cpp.o
         # A file that an earlier build left behind says nothing.
         if grep -qF "build ${object#"$1"/}:" "$1/build.ninja"; then
             found=$(nm --defined-only "$object" | judgeSymbols $isa) || status=1
@@ -66,7 +66,7 @@ checkBuild() {
             found="$1/build.ninja does not make it" status=1
         fi
         expect "symbols of $object" $status "$found"
-    done
+    done; done
     echo "$passed passed, $failed failed"
     [ $failed = 0 ]
 }

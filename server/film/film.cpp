@@ -302,6 +302,25 @@ void Film::develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const {
     }
 }
 
+void Film::developWithVariance(uint32_t firstRow, uint32_t lastRow, double edges, vec4* pixels) const {
+    develop(firstRow, lastRow, pixels);
+    Reading reading(*this);
+    uint32_t samples = 0;
+    double decay = 1.0;
+    for (uint32_t y = firstRow; y < lastRow; y++) {
+        for (uint32_t x = 0; x < resolution_.x; x++, pixels++) {
+            const Block& block = blocks_[static_cast<size_t>(y / BLOCK) * blockCount_.x + x / BLOCK];
+            pixels->w = -1.0f;
+            if (block.samples < 2) continue;
+            if (block.samples != samples) decay = errorDecay(block.samples, edges);
+            samples = block.samples;
+            const glm::dvec4& sum = sums_[static_cast<size_t>(y) * resolution_.x + x];
+            const double mean = luminance(sum) / samples;
+            pixels->w = static_cast<float>(std::max(0.0, sum.w - mean * mean * samples) / (samples - 1.0) * decay);
+        }
+    }
+}
+
 template <typename Visit>
 void Film::forJudged(std::optional<double> edges, Visit visit) const {
     uint32_t samples = 0;

@@ -66,6 +66,9 @@ public:
     /// The same for the rows [firstRow, lastRow) alone, into `pixels` of width * (lastRow - firstRow). Several threads may
     /// develop at once.
     void develop(uint32_t firstRow, uint32_t lastRow, vec4* pixels) const;
+    /// Mean radiance, linear, row-major RGB, and in w the variance of its luminance by `errorParts`' model; -1 below 2 samples.
+    /// Of the rows [firstRow, lastRow), as `develop`; `edges`: edgeShare().
+    void developWithVariance(uint32_t firstRow, uint32_t lastRow, double edges, vec4* pixels) const;
     /// Estimated error of the pixels' mean luminance (root mean square over the picture without the thousandth of the pixels that
     /// is worst; white at most) as a share of the picture's mean luminance, at most 1; 1 while a pixel has fewer than 2 samples.
     /// Of every 16th pixel: the variance of its samples, less as the points that they are taken at cancel (error_model.h).

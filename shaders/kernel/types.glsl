@@ -13,6 +13,8 @@ UINT_CONSTANT(NO_INDEX, 0xffffffffu)
 // Effect bits, from the table. Those from 32 on are told apart by a word of their own: HAS_LAYER instead of HAS.
 #define EFFECT(bit, CONSTANT, name, setting, parent, positive, rule, tier, help) EFFECT_CONSTANT(CONSTANT, bit)
 #include "effect_table.glsl"
+// No effect of a picture but another one: what the denoiser looks at (guides.glsl).
+EFFECT_CONSTANT(EFFECT_GUIDES, 63)
 
 // Material.flags
 UINT_CONSTANT(MATERIAL_PHONG, 1u)         // Phong/MTL model; else metallic-roughness

@@ -105,7 +105,17 @@ void gatherLight(uvec2 pixel, uint sampleIndex, PathState p, uint met, Arrival a
     if (occlusion) radiance = radiance + a.ambient * occlusionVisibility(visible);
 }
 
+vec3 renderGuides(uvec2 pixel, uint sampleIndex) {
+    PathState p = startSample(pixel, sampleIndex);
+    primaryRays++;
+    Hit hit;
+    traverse(p.origin, p.direction, FLOAT_MAX, TRACE_CLOSEST, hit);
+    if (hit.instance == NO_INDEX) return guidesOfMiss();
+    return guidesOf(p, hit);
+}
+
 vec3 renderSample(uvec2 pixel, uint sampleIndex) {
+    if (HAS_LAYER(EFFECT_GUIDES)) return renderGuides(pixel, sampleIndex);
     PathState stack[PATH_STACK];
     uint top = 0u;
     vec3 radiance = vec3(0.0f);

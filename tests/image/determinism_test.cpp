@@ -2,6 +2,7 @@
 
 #include "tests/image/picture.h"
 
+#include "server/kernel/instruction_set.h"
 #include "server/device/embree/embree_scene.h"
 #include "server/device/embree/tile_programs.h"
 #include "server/scene/load/scene_source.h"

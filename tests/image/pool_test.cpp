@@ -2,6 +2,7 @@
 
 #include "server/device/embree/embree_device.h"
 #include "server/device/remote/remote_device.h"
+#include "server/denoise/denoiser.h"
 #include "server/pool/local_transport.h"
 #include "server/pool/node/render_node.h"
 #include "server/request/effect_rules.h"
@@ -21,14 +22,19 @@ using namespace test;
 
 constexpr uvec2 SIZE(160, 90);
 
+/// Two samples, and after them what the denoiser looks at.
 std::vector<vec4> pictureOf(Device& device, const std::shared_ptr<const Scene>& scene, const Settings& settings) {
     device.load(scene, settings, {});
     Film film;
     const Camera camera = cameraFrom(scene->cameras.front());
-    const FrameStats stats = renderFrame(device, frameRequest(*scene, camera, settings, SIZE, 1), 2, film);
+    const FrameRequest request = frameRequest(*scene, camera, settings, SIZE, 1);
+    const FrameStats stats = renderFrame(device, request, 2, film);
     EXPECT_EQ(stats.samples, 2u);
-    std::vector<vec4> pixels;
+    std::vector<vec4> pixels, guides;
     film.develop(pixels);
+    renderFrame(device, guideRequest(request, 2), 1, film);
+    film.develop(guides);
+    pixels.insert(pixels.end(), guides.begin(), guides.end());
     return pixels;
 }
 

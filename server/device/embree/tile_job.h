@@ -52,7 +52,7 @@ struct TileProgramTable {
     const char* instructionSet;
     const TileProgramRow* rows;
     uint32_t count;
-    uint32_t
+    uint64_t
         leftOut;  // EFFECT_* bits that no row has code for, whatever it says (HELIOGRAPH_WITHOUT_EFFECTS of CMakeLists.txt)
 };
 

@@ -1,11 +1,10 @@
 #include "server/device/embree/tile_programs.h"
 
+#include "server/kernel/instruction_set.h"
 #include "server/request/effects.h"
 
 #include <bit>
-#include <cstdlib>
 #include <stdexcept>
-#include <string_view>
 
 namespace heliograph {
 
@@ -19,36 +18,22 @@ namespace lanes_v4 {
 extern const TileProgramTable PROGRAM_TABLE;
 }
 
-namespace {
-
-const TileProgramTable& chooseTable() {
-    const char* set = std::getenv("HELIOGRAPH_ISA");
-    std::string_view asked = set ? set : "v4";
-    if (asked == "v4" && processorRuns("v4")) return lanes_v4::PROGRAM_TABLE;
-    if (asked != "v2" && processorRuns("v3")) return lanes_v3::PROGRAM_TABLE;
-    return lanes_v2::PROGRAM_TABLE;
-}
-
-}  // namespace
-
-bool processorRuns(std::string_view isa) {
-    if (isa == "v4") return __builtin_cpu_supports("x86-64-v4");
-    return isa != "v3" || __builtin_cpu_supports("x86-64-v3");
-}
-
 const TileProgramTable& tileProgramTable() {
-    static const TileProgramTable& table = chooseTable();
+    static const TileProgramTable& table =
+        ofInstructionSet(lanes_v2::PROGRAM_TABLE, lanes_v3::PROGRAM_TABLE, lanes_v4::PROGRAM_TABLE);
     return table;
 }
 
 uint32_t chooseTileProgram(const TileProgramTable& table, uint64_t effects) {
-    uint32_t best = table.count - 1;
+    if (effects & EFFECT_GUIDES) return table.count - 1;  // and is no part of `effects` otherwise
+    const uint32_t count = table.count - 1;
+    uint32_t best = count - 1;
     if (uint64_t lacking = effects & (table.leftOut | ~table.rows[best].effects)) {
         std::string names;
         for (const std::string& name : effectNames({lacking})) names += " " + name;
         throw std::runtime_error("embree: this build was made without" + names);
     }
-    for (uint32_t i = 0; i < table.count; i++)
+    for (uint32_t i = 0; i < count; i++)
         if ((effects & ~table.rows[i].effects) == 0 &&
             std::popcount(table.rows[i].effects) < std::popcount(table.rows[best].effects))
             best = i;

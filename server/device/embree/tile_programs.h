@@ -3,18 +3,12 @@
 
 #include "server/device/embree/tile_job.h"
 
-#include <string_view>
-
 namespace heliograph {
 
-/// Whether this processor runs what is compiled for a level of the x86-64 ABI (psABI, "Micro-Architecture Levels"): "v2", which
-/// all that start the program do, "v3" or "v4".
-bool processorRuns(std::string_view isa);
-
-/// The table for this processor. HELIOGRAPH_ISA=v2|v3|v4 asks for another one that the processor can run.
+/// The table for this processor (kernel/instruction_set.h).
 const TileProgramTable& tileProgramTable();
 
-/// Index of the program with the fewest effects that can do `effects`. Throws std::runtime_error if none can.
+/// Index of the program with the fewest effects that can do `effects`; the last one makes guides. Throws std::runtime_error if none can.
 uint32_t chooseTileProgram(const TileProgramTable& table, uint64_t effects);
 
 }  // namespace heliograph

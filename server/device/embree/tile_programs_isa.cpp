@@ -39,8 +39,13 @@ constexpr uint64_t upTo(Tier last) {
 template <Tier TIER>
 constexpr TileProgramRow ROW = {upTo(TIER), makeProgram<upTo(TIER)>};
 
-constexpr TileProgramRow ROWS[] = {ROW<Tier::plain>, ROW<Tier::mirrors>, ROW<Tier::occlusion>,
-                                   ROW<Tier::sharp>, ROW<Tier::spread>,  ROW<Tier::everything>};
+constexpr TileProgramRow ROWS[] = {ROW<Tier::plain>,
+                                   ROW<Tier::mirrors>,
+                                   ROW<Tier::occlusion>,
+                                   ROW<Tier::sharp>,
+                                   ROW<Tier::spread>,
+                                   ROW<Tier::everything>,
+                                   {GUIDE_EFFECTS, makeProgram<GUIDE_EFFECTS>}};
 
 }  // namespace
 

@@ -39,6 +39,12 @@ private:
         secondary_ = false;
         arena_.stacks.clear(lanes);
         startPaths(lanes);
+        if constexpr ((EFFECTS & EFFECT_GUIDES) != 0) renderGuides();
+        else renderPaths(lanes);
+        collect(lanes);
+    }
+
+    void renderPaths(uint32_t lanes) {
         while (arena_.activeCount > 0) {
             traceActive();
             shadeMisses();
@@ -46,7 +52,16 @@ private:
             popNext(lanes);
             secondary_ = true;
         }
-        collect(lanes);
+    }
+
+    void renderGuides() {
+        traceActive();
+        for (uint32_t first = 0; first < missCount_; first += LANES)
+            Group::of(arena_.misses + first, missCount_ - first).store(arena_.radiance, kernel_.guidesOfMiss());
+        for (uint32_t first = 0; first < hitCount_; first += LANES) {
+            const Group g = Group::of(arena_.hits + first, hitCount_ - first);
+            g.store(arena_.radiance, kernel_.guidesOf(loadPath(g), hitOf(g)));
+        }
     }
 
     // Pixels in 4x4 groups, so that a packet looks through a square.
@@ -266,12 +281,17 @@ private:
         }
     }
 
-    // What LANES hits add at once, and the rays and paths that they send.
-    void shadeGroup(const Group g) {
-        Path path = loadPath(g);
+    HELIOGRAPH_INLINE HitLanes hitOf(const Group& g) const {
         HitLanes hit;
         hit.instance = g.load(arena_.instance);
         hit.primitive = g.load(arena_.primitive);
+        return hit;
+    }
+
+    // What LANES hits add at once, and the rays and paths that they send.
+    void shadeGroup(const Group g) {
+        Path path = loadPath(g);
+        const HitLanes hit = hitOf(g);
         Uvec2 pixel(g.load(arena_.pixelX), g.load(arena_.pixelY));
         Vec3 radiance = g.load(arena_.radiance);
         const Arrival a = kernel_.arrive(pixel, sample_, path, hit, radiance);

@@ -65,7 +65,7 @@ void readChoice(ByteReader& reader, uint32_t& value, std::string_view words) {
 }
 
 uint64_t knownEffects() {
-    uint64_t bits = 0;
+    uint64_t bits = EFFECT_GUIDES;
     for (const EffectRow& row : effectRows()) bits |= row.bit;
     return bits;
 }
