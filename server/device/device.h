@@ -63,6 +63,8 @@ private:
     std::shared_ptr<const std::string> what_;  // copying an exception must not throw
 };
 
+struct DenoiseJob;
+
 class Device {
 public:
     virtual ~Device() = default;
@@ -94,6 +96,9 @@ public:
                               std::stop_token stop) {
         render(request, tiles, sink, stop);
     }
+    /// Filters the picture (denoise/denoiser.h) on the device, with the bits that processors make as far as its rounding is theirs.
+    /// False, and nothing changes, where it has no filter of its own. May run beside `render`. Throws as `render` does.
+    virtual bool denoise(DenoiseJob& job) { return static_cast<void>(job), false; }
     /// Traces one ray through the scene that is resident; no part of any frame. May run beside `render`, for microseconds.
     virtual DepthAnswer depthAlong(const ViewRay& ray) { return static_cast<void>(ray), DepthAnswer{}; }
 };

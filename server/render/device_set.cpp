@@ -76,6 +76,13 @@ public:
         return report;
     }
 
+    bool denoise(const Settings& settings, DenoiseJob& job) override {
+        const std::string name = offer_.nameOf(settings);
+        if (isTeam(name)) return false;
+        const std::shared_ptr<Device> device = entry(name)->ready();
+        return device && device->denoise(job);
+    }
+
     DepthAnswer depthAlong(const ViewRay& ray) override {
         std::vector<std::shared_ptr<DeviceSlot>> entries;
         {

@@ -145,6 +145,16 @@ bool PassRenderer::render(const Pass& pass, PassFigures& figures, std::optional<
     return true;
 }
 
+bool PassRenderer::renderBeside(const Pass& pass, PassFigures& figures) {
+    const Settings with = measuredWith_;
+    const EffectSet effects = measuredEffects_;
+    const double seconds = secondsPerPixel_, workerSeconds = workerSecondsPerPixel_;
+    const bool done = render(pass, figures);
+    measuredWith_ = with, measuredEffects_ = effects;
+    secondsPerPixel_ = seconds, workerSecondsPerPixel_ = workerSeconds;
+    return done;
+}
+
 /// Returns the tiles that the clock left over.
 std::vector<Tile> PassRenderer::renderSlice(const Pass& pass, std::span<const Tile> tiles, PassFigures& figures,
                                             Partition* partition) {

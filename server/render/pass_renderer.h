@@ -54,6 +54,8 @@ public:
     /// holds some of the pass, which a later one continues. Adds to the figures what the film took, in either case. Throws what
     /// the device throws, and std::runtime_error when it leaves tiles out or memory runs out.
     bool render(const Pass& pass, PassFigures& figures, std::optional<Turns::Turn> turn = std::nullopt);
+    /// The same for a pass that tells nothing of what the picture's passes cost, as of its guides.
+    bool renderBeside(const Pass& pass, PassFigures& figures);
     /// Another scene: its tiles take another time.
     void forget() { secondsPerPixel_ = workerSecondsPerPixel_ = 0.0; }
     Turns::Used used() const { return turns_->used(account_); }

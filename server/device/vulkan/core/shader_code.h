@@ -16,6 +16,7 @@ Words traceWide2();  // trace.comp for trees of two children, storage buffers
 Words traceWide4();  // for quantised trees of four, texel buffers
 Words raysWide2();   // rays.comp, likewise
 Words raysWide4();
+Words denoise();
 Words rasterVertex();  // the preview
 Words rasterFragment();
 Words anchorGenerate();  // the driver's ray tracing pipeline

@@ -3,6 +3,7 @@
 #include "server/request/effect_rules.h"
 #include "server/base/log.h"
 #include "server/base/machine.h"
+#include "server/device/vulkan/denoise/gpu_denoiser.h"
 #include "server/device/vulkan/trace/trace_work.h"
 #include "server/request/surroundings.h"
 
@@ -145,6 +146,21 @@ public:
                 if (batch) release(*batch, true);
                 rethrowForCaller();
             }
+        }
+    }
+
+    /// What computes on the processor would do it slower than the processor itself.
+    bool denoise(DenoiseJob& job) override {
+        if (gpu_.physical().isCpu()) return false;
+        std::unique_lock lock(mutex_);
+        try {
+            if (!denoiser_) denoiser_ = std::make_unique<GpuDenoiser>(gpu_);
+            denoiser_->run(job);
+            return true;
+        } catch (...) {
+            vkDeviceWaitIdle(gpu_.handle());
+            denoiser_.reset();
+            rethrowForCaller();
         }
     }
 
@@ -433,6 +449,7 @@ private:
     Gpu gpu_;
     std::string name_, hardware_;
     TracePipelines pipelines_;
+    std::unique_ptr<GpuDenoiser> denoiser_;  // once it was asked for
     std::shared_ptr<const Scene> source_;
     std::map<uint32_t, Resident> residents_;  // by treeQuality
     BatchSize size_;
