@@ -15,6 +15,7 @@
 #include "server/encode/tone_map.h"
 #include "server/film/stats.h"
 #include "server/images/image_module.h"
+#include "server/render/denoise_pass.h"
 #include "server/render/frame_renderer.h"
 #include "server/request/surroundings.h"
 #include "server/scene/load/scene_source.h"
@@ -29,7 +30,7 @@ namespace {
 constexpr uint32_t DEFAULT_SAMPLES = 16;
 
 struct Milliseconds {
-    double load = 0.0, build = 0.0, render = 0.0;
+    double load = 0.0, build = 0.0, render = 0.0, denoise = 0.0;
 };
 
 struct RenderResult {
@@ -48,17 +49,16 @@ GivenSettings settingsOf(const RenderOptions& options) {
     return given;
 }
 
-std::vector<uint8_t> encoded(const Film& film, PictureFormat format, const Settings& settings, float exposure, bool fromFile) {
-    std::vector<vec4> pixels;
-    film.develop(pixels);
+std::vector<uint8_t> encoded(const std::vector<vec4>& pixels, uvec2 size, PictureFormat format, const Settings& settings,
+                             float exposure, bool fromFile) {
     std::vector<uint8_t> bytes;
     if (format == PictureFormat::exr) {
-        encodeExr(pixels, film.resolution(), bytes);
+        encodeExr(pixels, size, bytes);
         return bytes;
     }
     DisplayImage image;
     const ToneMap toneMap(exposure, shownCurve(static_cast<ToneCurve>(settings.toneCurve), fromFile));
-    toneMap.apply(pixels, film.resolution(), image);
+    toneMap.apply(pixels, size, image);
     std::unique_ptr<Encoder> encoder = format == PictureFormat::png ? makePngEncoder() : makeJpegEncoder();
     encoder->encode(image, settings.jpegQuality, bytes);
     return bytes;
@@ -78,6 +78,7 @@ nlohmann::ordered_json toJson(const RenderResult& r) {
                                    {"rays", toJson(r.stats.rays)},
                                    {"tiles", tiles},
                                    {"nonfinite_samples", r.stats.nonfiniteSamples}};
+    if (r.ms.denoise > 0.0) json["ms"]["denoise"] = r.ms.denoise;
     return json;
 }
 
@@ -102,6 +103,7 @@ public:
         : given_(settingsOf(options)), resolution_(renderedSize(parsedSize(options.size), given_.settings)), target_(target) {}
 
     void open(const RenderOptions& options, const Progress& progress) {
+        DenoisePass::wanted({{}, given_.settings});  // if it is missing, that is said before any work
         StopWatch watch;
         scene_ = openScene(sceneName(options), options.environment, progress, choosesSurroundings(given_.settings));
         result_.ms.load = watch.milliseconds();
@@ -136,13 +138,32 @@ public:
         result_.stats = renderFrame(*device_, result_.request, given_.settings.samples, film_, {}, progress);
         result_.ms.render = result_.stats.milliseconds;
         result_.exposure = shownExposure(film_, *scene_, result_.request);
-        target_.write(encoded(film_, target_.format(), given_.settings, result_.exposure, scene_->fromFile), frame);
+        film_.develop(pixels_);
+        denoise();
+        target_.write(
+            encoded(pixels_, film_.resolution(), target_.format(), given_.settings, result_.exposure, scene_->fromFile), frame);
         return result_;
     }
     /// As far as it is known.
     const RenderResult& result() const { return result_; }
 
 private:
+    void denoise() {
+        if (given_.settings.denoiser == 0) return;
+        if (!canDenoise(result_.request)) {
+            if (generation_ == 1) std::cerr << "warning: not denoised, as the lens or motion blurs the picture\n";
+            return;
+        }
+        const StopWatch watch;
+        PassRenderer passes;
+        PassFigures figures;
+        ViewMemory view;
+        const auto denoised = denoiser_.run(passes, {*device_, result_.request, film_, view}, figures);
+        if (!denoised) throw InputError("denoiser", "with raster previews", "off: they have no grain");
+        pixels_ = *denoised;
+        result_.ms.denoise = watch.milliseconds();
+    }
+
     GivenSettings given_;
     const uvec2 resolution_;
     const PictureTarget& target_;
@@ -153,6 +174,8 @@ private:
     std::unique_ptr<Renderer> device_;
     uint32_t generation_ = 0;
     Film film_;
+    std::vector<vec4> pixels_;
+    DenoisePass denoiser_;
 };
 
 void warn(const Scene& scene) {

@@ -29,7 +29,9 @@ struct PictureOrder {
 struct FinishedFrame {
     std::optional<PictureOrder> picture;  // nothing: a frame of the view
     std::shared_ptr<const Film> film;     // its locked functions alone: once let go of, the loop uses it again
-    uvec2 size{0, 0};                     // of the film
+    /// What is shown in the film's stead, linear RGB, row-major; null: the film as it is.
+    std::shared_ptr<const std::vector<vec4>> denoised;
+    uvec2 size{0, 0};  // of the film
     ViewRequest view;
     uint32_t generation = 0;
     uint32_t samples = 0;               // per pixel, in the mean

@@ -242,8 +242,23 @@ void FrameLoop::startPicture(const PictureOrder& order) {
     }
 }
 
+/// Where the filter cannot work its viewer is told why, and gets pictures without it.
+void FrameLoop::denoiseFilm() {
+    try {
+        if (!film_.wantsDenoising()) return;
+        const std::stop_token stop = beginPass(*film_.view(), film_.samples(), false);
+        film_.denoise(passes_, *resident_->renderer, stop);
+        endPass(true);
+        denoiserFault_.clear();
+    } catch (const std::exception& error) {
+        endPass(false);
+        if (std::exchange(denoiserFault_, error.what()) != error.what()) receiver_.failed(error.what());
+    }
+}
+
 /// A film that is smaller for the moment is never the last one, however many samples it has.
 void FrameLoop::deliverFilm() {
+    denoiseFilm();
     FinishedFrame frame = film_.frame(*resident_->scene, run_.has_value());
     {
         std::lock_guard lock(mutex_);
@@ -267,6 +282,7 @@ void FrameLoop::renderFilm() {
     if (first == 0) useLatestRequest();
     const bool completed = film_.renderPass(passes_, *resident_->renderer, cancelled, std::move(turn));
     endPass(completed);
+    if (completed && film_.view()->moving) denoiseFilm();  // a part of what such a picture takes
     if (completed && film_.passWasWhole()) {
         std::lock_guard lock(mutex_);
         pace_.passed(*film_.view(), secondsBetween(asked, Clock::now()));
@@ -293,6 +309,14 @@ void FrameLoop::renderPicture() {
 }
 
 void FrameLoop::deliverPicture() {
+    try {
+        const std::stop_token stop = beginPass(picture_->view(), picture_->samples(), false);
+        picture_->denoise(passes_, *resident_->renderer, stop);
+        endPass(true);
+    } catch (const std::exception& error) {
+        endPass(false);
+        receiver_.failed(error.what());  // the picture comes without
+    }
     FinishedFrame frame = picture_->frame(*resident_->scene);
     picture_.reset();
     receiver_.take(std::move(frame));

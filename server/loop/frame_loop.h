@@ -79,6 +79,7 @@ private:
     void renderFilm();
     void useLatestRequest();
     void takeRequest();
+    void denoiseFilm();
     void deliverFilm();
     void renderPicture();
     void deliverPicture();
@@ -119,6 +120,7 @@ private:
     std::optional<FocusRequest> focus_;
     std::optional<PickRequest> pick_;
     bool broken_ = false;
+    std::string denoiserFault_;  // told already
 
     RestingThread thread_;  // last: it uses all of the above
 };

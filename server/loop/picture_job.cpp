@@ -22,10 +22,17 @@ bool PictureJob::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_
     return passes.render({renderer, request_, *film_, memory_, samples(), std::move(stop)}, figures_);
 }
 
+void PictureJob::denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop) {
+    if (!DenoisePass::wanted(request_)) return;
+    DenoisePass denoiser;
+    denoised_ = denoiser.run(passes, {renderer, request_, *film_, memory_, 0, std::move(stop)}, figures_);
+}
+
 FinishedFrame PictureJob::frame(const Scene& scene) const {
     FinishedFrame frame;
     frame.picture = order_;
     frame.film = film_;
+    frame.denoised = denoised_;
     frame.size = film_->resolution();
     frame.view = view_;
     frame.generation = film_->generation();

@@ -16,6 +16,8 @@ public:
     uint32_t samples() const { return film_->meanSamples(); }
     /// One sample more. False when it was given up.
     bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
+    /// Filters it where its settings ask for it. Throws what DenoisePass does.
+    void denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
     FinishedFrame frame(const Scene& scene) const;
 
 private:
@@ -26,6 +28,7 @@ private:
     FrameRequest request_;
     ViewMemory memory_;
     PassFigures figures_;
+    std::shared_ptr<const std::vector<vec4>> denoised_;
     std::optional<float> autoExposure_;  // the view's
 };
 

@@ -27,6 +27,8 @@ void ViewFilm::forget() {
     view_.reset();
     memory_.costs.forget();
     autoExposure_.reset();
+    denoised_.reset();
+    denoiser_.forget();
 }
 
 bool ViewFilm::shows(const ViewRequest& request) const {
@@ -45,6 +47,7 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
         samples_ = least_ = deliveredSamples_ = 0;
         errors_.clear();
         plan_.forget();
+        denoised_.reset();
         figures_.devices = 0;  // what a pass that was given up left behind is not in this film
     }
     view_ = request;
@@ -62,6 +65,21 @@ bool ViewFilm::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_to
     least_ = film_->completedSamples();
     noteError();
     return true;
+}
+
+bool ViewFilm::wantsDenoising() const {
+    FrameRequest request = request_;
+    request.settings.denoiser = view_->settings.denoiser;
+    if (samples_ == 0 || !DenoisePass::wanted(request)) return false;
+    return !denoised_ || denoisedSamples_ != samples_ || denoiserOf_ != request.settings.denoiser;
+}
+
+bool ViewFilm::denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop) {
+    FrameRequest request = request_;
+    request.settings.denoiser = denoiserOf_ = view_->settings.denoiser;
+    denoisedSamples_ = samples_;
+    denoised_ = denoiser_.run(passes, {renderer, request, *film_, memory_, 0, std::move(stop), {}, urgency()}, figures_);
+    return denoised_ != nullptr;
 }
 
 std::optional<std::vector<bool>> ViewFilm::nextCells() {
@@ -122,6 +140,12 @@ FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
     meterExposure(scene, path);
     FinishedFrame frame;
     frame.film = film_;
+    if (view_->settings.denoiser != 0) {
+        frame.denoised = denoisedSamples_ == samples_ ? denoised_ : nullptr;
+    } else {
+        denoised_.reset();
+        denoiser_.forget();
+    }
     frame.size = film_->resolution();
     frame.view = *view_;
     frame.generation = film_->generation();

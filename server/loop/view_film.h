@@ -4,7 +4,7 @@
 #include "server/film/adaptive_plan.h"
 #include "server/film/film_pool.h"
 #include "server/pace/error_forecast.h"
-#include "server/render/pass_renderer.h"
+#include "server/render/denoise_pass.h"
 #include "server/request/loop_rules.h"
 #include "server/loop/finished_frame.h"
 
@@ -29,6 +29,11 @@ public:
     void show(const ResidentScene& scene, const ViewRequest& request);
     /// One sample more, of the whole picture or of the cells that need it. False when it was given up.
     bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop, std::optional<Turns::Turn> turn);
+    /// Filters what the film holds by now, where its settings ask for it: `frame` then has the picture. False when it was given up, as
+    /// `renderPass`. Throws what DenoisePass does.
+    bool denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
+    /// Whether `denoise` has something to do.
+    bool wantsDenoising() const;
     /// Whether the last pass was over the whole picture.
     bool passWasWhole() const { return passWasWhole_; }
     /// Of the next pass: the first shows an input that no picture shows yet.
@@ -78,6 +83,10 @@ private:
     std::vector<ErrorPoint> errors_;  // of the film, as it was asked
     double edgeShare_ = 0.0;          // at the last of them
     ViewMemory memory_;
+    DenoisePass denoiser_;
+    std::shared_ptr<const std::vector<vec4>> denoised_;  // of denoisedSamples_ of the film
+    uint32_t denoisedSamples_ = 0;
+    uint32_t denoiserOf_ = 0;  // the setting by which it was made
     AdaptivePlan plan_;
     bool passWasWhole_ = true;
     std::optional<float> autoExposure_;  // held while the view moves

@@ -148,6 +148,7 @@ constexpr uint8_t FRAME_FINAL = 2;
 constexpr uint8_t FRAME_PATH = 4;
 constexpr uint8_t FRAME_KEY = 8;  // of a video: needs none before it
 constexpr uint8_t FRAME_ERROR_REACHED = 16;
+constexpr uint8_t FRAME_DENOISED = 32;
 
 /// What goes before the bytes of a picture. Times in microseconds.
 struct FrameHeader {

@@ -27,13 +27,14 @@ double develop(const FinishedFrame& frame, DisplayImage& display) {
     display.width = size.x;
     display.height = size.y;
     display.rgba.resize(static_cast<size_t>(size.x) * size.y * 4);
+    const vec4* denoised = frame.denoised ? frame.denoised->data() : nullptr;
     return forEachStripe((size.y + BAND_ROWS - 1) / BAND_ROWS, threadsFor(frame), [&](uint32_t i) {
         thread_local std::vector<vec4> band;
         band.resize(static_cast<size_t>(size.x) * BAND_ROWS);
         const uint32_t row = i * BAND_ROWS, end = std::min(row + BAND_ROWS, size.y);
-        film.develop(row, end, band.data());
-        toneMap.apply(band.data(), static_cast<size_t>(end - row) * size.x,
-                      &display.rgba[static_cast<size_t>(row) * size.x * 4]);
+        if (!denoised) film.develop(row, end, band.data());
+        toneMap.apply(denoised ? denoised + static_cast<size_t>(row) * size.x : band.data(),
+                      static_cast<size_t>(end - row) * size.x, &display.rgba[static_cast<size_t>(row) * size.x * 4]);
     });
 }
 
@@ -44,7 +45,7 @@ void describe(const FinishedFrame& frame, FrameHeader& header) {
     header.kind = frame.picture ? FrameKind::picture : FrameKind::frame;
     header.flags = static_cast<uint8_t>((header.flags & FRAME_KEY) | (frame.view.moving ? FRAME_MOVING : 0) |
                                         (frame.final ? FRAME_FINAL : 0) | (frame.errorReached ? FRAME_ERROR_REACHED : 0) |
-                                        (frame.path ? FRAME_PATH : 0));
+                                        (frame.path ? FRAME_PATH : 0) | (frame.denoised ? FRAME_DENOISED : 0));
     header.inputId = frame.view.inputId;
     header.generation = frame.generation;
     header.size = frame.size;
@@ -91,7 +92,8 @@ void PictureMaker::paint(const FinishedFrame& frame, const PictureKey& key, bool
     StopWatch watch;
     made.helpSeconds = 0.0;
     made.keyPicture = false;
-    if (key.codec == FrameCodec::exr) frame.film->develop(pixels_);
+    if (key.codec == FrameCodec::exr && frame.denoised) pixels_ = *frame.denoised;
+    else if (key.codec == FrameCodec::exr) frame.film->develop(pixels_);
     else made.helpSeconds = develop(frame, display_);
     made.relativeError = static_cast<float>(frame.film->relativeError());
     made.developSeconds = watch.seconds();

@@ -17,6 +17,7 @@ export interface Diagnostics {
     readonly height: number;
     readonly final: boolean;
     readonly exact: boolean;
+    readonly denoised: boolean;
     readonly codec: string;
     readonly devices: readonly string[]; // that took part
   } | null;
@@ -61,6 +62,7 @@ export function exposeDiagnostics(viewer: Viewer): void {
               height: frame.height,
               final: frame.final,
               exact: frame.exact,
+              denoised: frame.denoised,
               codec: frame.codec,
               devices: [...frame.devices],
             },

@@ -1,7 +1,7 @@
 // What limits the moving picture, and at rest that it is exact, beside the scene's name.
 
 import { el, setText } from './dom.js';
-import { exactText, paceText, type PaceText } from '../picture/pace_text.js';
+import { denoisedText, exactText, paceText, type PaceText } from '../picture/pace_text.js';
 import type { Viewer } from '../viewer.js';
 
 export class LimitBadge {
@@ -26,7 +26,7 @@ export class LimitBadge {
   private text(): PaceText | null {
     const { connection, lastFrame, stats } = this.viewer_.state;
     if (connection.name !== 'open' || lastFrame === null) return null;
-    if (lastFrame.exact) return exactText(lastFrame.samples);
+    if (lastFrame.exact) return (lastFrame.denoised ? denoisedText : exactText)(lastFrame.samples);
     return lastFrame.moving && stats !== null && stats.pace !== null ? paceText(stats.pace) : null;
   }
 }

@@ -17,6 +17,13 @@ export const exactText = (samples: number): PaceText => ({
   help: 'Every pixel is, bit for bit, that of the picture on the server.',
 });
 
+/** The same of one that is denoised, which is no longer what the samples say. */
+export const denoisedText = (samples: number): PaceText => ({
+  label: 'Denoised',
+  figure: `${samples} samples`,
+  help: 'The picture came without loss, but the server took its grain away: where samples are few, detail may be missing.',
+});
+
 /** Null where nothing limits. */
 export function paceText(pace: Pace): PaceText | null {
   const kind = pace.codec === 'vp9' ? 'are a VP9 video, have' : 'have';

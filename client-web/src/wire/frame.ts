@@ -30,6 +30,7 @@ export interface Frame {
   readonly moving: boolean;
   readonly final: boolean; // the sample target or the error target is reached
   readonly errorReached: boolean; // the error target, with fewer samples
+  readonly denoised: boolean; // its grain is taken away, and some of its detail may be
   readonly path: boolean; // a frame of the benchmark path
   readonly key: boolean; // of a video: needs no picture before it
   readonly exact: boolean; // no code of a pixel differs from the server's picture
@@ -99,6 +100,7 @@ export function parseFrame(buffer: ArrayBuffer, kinds: readonly DeviceKind[]): F
     moving: (flags & 1) !== 0,
     final: (flags & 2) !== 0,
     errorReached: (flags & 16) !== 0,
+    denoised: (flags & 32) !== 0,
     path: (flags & 4) !== 0,
     key: (flags & 8) !== 0,
     exact: false, // a part is, but no picture

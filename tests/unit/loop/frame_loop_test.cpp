@@ -1,5 +1,7 @@
 #include "tests/unit/loop/loop_fakes.h"
 
+#include "server/base/error.h"
+
 namespace heliograph::TEST_FILE {
 namespace {
 
@@ -30,6 +32,44 @@ TEST(FrameLoop, AccumulatesUpToTheTargetAndThenRests) {
     EXPECT_EQ(primary, 16u * 96 * 64);
     EXPECT_EQ(s.viewer.frames.back().figures.devices, 1u);
     for (const FinishedFrame& frame : s.viewer.frames) EXPECT_EQ(frame.generation, s.viewer.frames[0].generation);
+}
+
+TEST(FrameLoop, DenoisesWhatItDelivers) {
+    Stage s;
+    s.device->grainy = true;
+    ViewRequest request = inputFrom(3, 4);
+    request.settings.denoiser = Settings::choice("denoiser", "filter");
+    s.loop.setScene(sceneOn(s.device), request);
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    for (const FinishedFrame& frame : s.viewer.frames) {
+        ASSERT_TRUE(frame.denoised) << frame.samples;
+        EXPECT_EQ(frame.denoised->size(), static_cast<size_t>(frame.size.x) * frame.size.y);
+    }
+    const int calls = s.device->calls;
+    request.inputId = 4;
+    request.settings.denoiser = 0;
+    s.loop.show(request);
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 4; }));
+    EXPECT_FALSE(s.viewer.frames.back().denoised);
+    EXPECT_EQ(s.device->calls, calls) << "the samples are the same";
+    s.loop.takePicture({1, PictureFormat::png, 7});
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().picture.has_value(); }));
+    EXPECT_FALSE(s.viewer.frames.back().denoised);
+}
+
+TEST(FrameLoop, SaysOnceThatADenoiserIsMissingAndShowsThePicture) {
+    try {
+        OidnLibrary::get();
+        GTEST_SKIP() << "Open Image Denoise is on this machine";
+    } catch (const InputError&) {}
+    Stage s;
+    ViewRequest request = inputFrom(3, 4);
+    request.settings.denoiser = Settings::choice("denoiser", "oidn");
+    s.loop.setScene(sceneOn(s.device), request);
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    EXPECT_FALSE(s.viewer.frames.back().denoised);
+    ASSERT_EQ(s.viewer.failures.size(), 1u);
+    EXPECT_NE(s.viewer.failures[0].find("Open Image Denoise"), std::string::npos) << s.viewer.failures[0];
 }
 
 // Not a ray past it; and on, where it is lowered.

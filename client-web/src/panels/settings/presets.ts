@@ -26,7 +26,7 @@ export const PRESETS: readonly Preset[] = [
     values: {
       renderScale: 1, automaticScale: false, samples: 1024, softShadows: true, shadowSamples: 4, maxReflections: 8,
       maxRefractions: 12, glossyReflections: true, indirectLight: true, textureFilter: 'anisotropic',
-      contributionThreshold: 0, exactAtRest: true,
+      contributionThreshold: 0, exactAtRest: true, denoiser: 'off',
     },
   },
 ];
