@@ -5,6 +5,7 @@
 #include "server/app/bench/bench_effects.h"
 #include "server/app/bench/bench_adaptive.h"
 #include "server/app/bench/bench_autopilot.h"
+#include "server/app/bench/bench_denoise.h"
 #include "server/app/bench/bench_forecast.h"
 #include "server/app/devices.h"
 #include "server/base/error.h"
@@ -310,6 +311,7 @@ void addBenchCommand(CLI::App& app, std::function<int()>& run) {
     addBenchAccuracy(*bench, run);
     addBenchForecast(*bench, run);
     addBenchAdaptive(*bench, run);
+    addBenchDenoise(*bench, run);
     addBenchAutopilot(*bench, run);
     addBenchConvergence(*bench, run);
 }

@@ -2,6 +2,7 @@
 // Who renders the pictures of a measurement, and by which clock. A command has the device for itself (RendererFrames); what is measured
 // for a viewer takes turns with others (lab/view/turn_frames.h).
 
+#include "server/render/denoise_pass.h"
 #include "server/render/frame_renderer.h"
 
 #include <vector>
@@ -21,8 +22,19 @@ public:
     virtual FrameStats frame(const FrameRequest& request, uint32_t samples, Film& film) = 0;
     /// Sums of radiance over `count` samples from number `first` on, in a picture's order.
     virtual std::vector<glm::dvec3> samples(const FrameRequest& request, uint32_t first, uint32_t count) = 0;
+    /// What is shown of the film that `frame` has just made of this request: denoised, where its settings say so. Returns the
+    /// milliseconds that that took.
+    double picture(const FrameRequest& request, Film& film, std::vector<vec4>& pixels);
     /// Seconds of work so far, which budgets are of. Only differences mean something.
     virtual double seconds() const = 0;
+
+protected:
+    /// DenoisePass::run with what renders here; null without a picture.
+    virtual std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request,
+                                                              Film& film) = 0;
+
+private:
+    DenoisePass denoiser_;
 };
 
 /// Has the renderer for itself; it holds the scene already and outlives this. All throw what it throws.
@@ -39,8 +51,12 @@ public:
     std::vector<glm::dvec3> samples(const FrameRequest& request, uint32_t first, uint32_t count) override;
     double seconds() const override { return wallSeconds(); }
 
+protected:
+    std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film) override;
+
 private:
     Renderer& renderer_;
+    PassRenderer passes_;  // of guides
 };
 
 }  // namespace heliograph

@@ -35,6 +35,7 @@ const std::vector<Knob>& table() {
         {"maxRefractions", cut, {"0", "1", "2", "4", "8", "16", "31"}, {}},
         {"ambientOcclusion", light, {"off", "on"}, {}},
         {"aoSamples", grain, {"1", "4", "9", "25", "64"}, {}},
+        {"aoRadius", look, {"0.1", "1"}, SHOWN},
         {"indirectLight", light, {"off", "on"}, {}},
         {"indirectBounces", cut, {"1", "2", "4", "8", "16"}, {}},
         {"surfaceLights", light, {"off", "on"}, {}},
@@ -48,6 +49,8 @@ const std::vector<Knob>& table() {
         {"environment", light, {"off", "on"}, "off, its mean colour stands for the image"},
         {"contributionThreshold", cut, {"0.1", "0.03", "0.01", "0.004", "0.001", "0"}, {}},
         {"adaptiveQuality", viewer, {"on", "off"}, "on slow lines; renderScale and jpegQuality show what it costs"},
+        {"codec", viewer, {"automatic", "jpeg"}, "on slow lines; bytes and PSNR of both: docs/measurements/feel.md"},
+        {"denoiser", filter, {"filter", "off"}, {}},
         {"exactAtRest",
          viewer,
          {"off", "on"},
@@ -80,7 +83,7 @@ std::string effectOf(std::string_view setting) {
 }  // namespace
 
 std::string_view word(KnobKind kind) {
-    static constexpr std::string_view WORDS[] = {"grain", "cut", "light", "neutral", "display", "look", "viewer"};
+    static constexpr std::string_view WORDS[] = {"grain", "cut", "light", "neutral", "display", "filter", "look", "viewer"};
     return WORDS[static_cast<size_t>(kind)];
 }
 
@@ -102,7 +105,7 @@ std::string valueOf(const Settings& settings, const Knob& knob) {
 Settings mostExact(Settings settings) {
     for (const Knob& knob : knobs()) {
         const bool biased = knob.setting == "aoSamples" && settings.aoPower != 1.0f;
-        if (knob.kind == cut || biased) settings = turned(settings, knob, knob.exact());
+        if (knob.kind == cut || knob.kind == filter || biased) settings = turned(settings, knob, knob.exact());
     }
     settings.contributionThreshold = REFERENCE_THRESHOLD;
     settings.robust = true;

@@ -18,7 +18,8 @@ enum class KnobKind {
     cut,      // what is left out or estimated; the picture's mean depends on it
     light,    // a part of the transport of light, there or not
     neutral,  // must change nothing but time
-    display,  // what is made of the film
+    display,  // how the picture is coded
+    filter,   // what is made of the film; its errors are of no one sign
     look,     // what is shown, not how well: never turned
     viewer,   // acts in a viewer's stream alone: never turned here
 };

@@ -44,7 +44,8 @@ void AccuracySweep::search(const Progress& progress) {
     std::vector<const Knob*> free;
     for (const Knob& knob : knobs()) {
         const bool swept = std::ranges::any_of(rows_, [&](const AccuracyRow& row) { return row.knob == knob.setting; });
-        if (swept && (knob.kind == KnobKind::grain || knob.kind == KnobKind::cut)) free.push_back(&knob);
+        if (swept && (knob.kind == KnobKind::grain || knob.kind == KnobKind::cut || knob.kind == KnobKind::filter))
+            free.push_back(&knob);
     }
     std::set<size_t> left;  // points
     while (!over(1.0)) {

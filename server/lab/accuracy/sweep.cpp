@@ -175,15 +175,19 @@ LinearError AccuracySweep::modelError() const {
     return together(errors);
 }
 
-/// Renders one picture into the film and returns its wall milliseconds.
-double AccuracySweep::frame(const Settings& settings, size_t view, Timing& timing, double& coreMs) {
+/// Renders one picture and returns its wall milliseconds, with those of denoising.
+double AccuracySweep::frame(const Settings& settings, size_t view, Timing& timing, double& coreMs, LinearPicture& picture) {
     const FrameRequest asked = request(settings, view);
     frames_.prepare(settings);  // trees of another quality are no part of a frame
     const double core = processCpuSeconds();
     const FrameStats stats = frames_.frame(asked, settings.samples, film_);
     coreMs = 1e3 * (processCpuSeconds() - core);
     timing.rays.add(stats.rays);
-    return stats.milliseconds;
+    picture.resolution = film_.resolution();
+    const double before = processCpuSeconds();
+    const double denoiseMs = frames_.picture(asked, film_, picture.pixels);
+    if (denoiseMs > 0.0) coreMs += 1e3 * (processCpuSeconds() - before);
+    return stats.milliseconds + denoiseMs;
 }
 
 /// One pair of the point and the settings as given, in changing order; `latest_` are the point's pictures then.
@@ -197,12 +201,10 @@ void AccuracySweep::timeOnce(AccuracyPoint& point) {
         double wall = 0.0, core = 0.0;
         for (size_t view = 0; view < views_.size(); view++) {
             double coreMs = 0.0;
-            wall += frame(own ? point.settings : options_.settings, view, timing, coreMs) / count;
+            LinearPicture picture;
+            wall += frame(own ? point.settings : options_.settings, view, timing, coreMs, picture) / count;
             core += coreMs / count;
-            if (!own) continue;
-            LinearPicture picture{film_.resolution(), {}};
-            film_.develop(picture.pixels);
-            latest_.push_back(std::move(picture));
+            if (own) latest_.push_back(std::move(picture));
         }
         timing.wallMs.push_back(wall);
         timing.coreMs.push_back(core);
@@ -254,9 +256,7 @@ std::vector<LinearPicture> AccuracySweep::pictures(const Settings& settings) {
     for (size_t view = 0; view < views_.size(); view++) {
         Timing timing;
         double coreMs = 0.0;
-        frame(settings, view, timing, coreMs);
-        made.push_back({film_.resolution(), {}});
-        film_.develop(made.back().pixels);
+        frame(settings, view, timing, coreMs, made.emplace_back());
     }
     return made;
 }
@@ -264,9 +264,8 @@ std::vector<LinearPicture> AccuracySweep::pictures(const Settings& settings) {
 LinearPicture AccuracySweep::picture(const AccuracyPoint& point) {
     Timing timing;
     double coreMs = 0.0;
-    frame(point.settings, 0, timing, coreMs);
-    LinearPicture made{film_.resolution(), {}};
-    film_.develop(made.pixels);
+    LinearPicture made;
+    frame(point.settings, 0, timing, coreMs, made);
     return resized(made, options_.resolution);
 }
 

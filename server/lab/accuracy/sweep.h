@@ -133,7 +133,7 @@ private:
     void timeOnce(AccuracyPoint& point);
     void timeCoding(AccuracyPoint& point);
     std::vector<LinearPicture> pictures(const Settings& settings);
-    double frame(const Settings& settings, size_t view, Timing& timing, double& coreMs);
+    double frame(const Settings& settings, size_t view, Timing& timing, double& coreMs, LinearPicture& picture);
     void judge(AccuracyPoint& point, const std::vector<LinearPicture>& pictures);
     FrameRequest request(const Settings& settings, size_t view);
     LinearPicture compared(const LinearPicture& picture) const;

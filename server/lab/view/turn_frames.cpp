@@ -61,6 +61,17 @@ std::vector<glm::dvec3> TurnFrames::samples(const FrameRequest& request, uint32_
     return sums;
 }
 
+std::shared_ptr<const std::vector<vec4>> TurnFrames::denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film) {
+    const double own = threadCpuSeconds();
+    PassFigures figures;
+    ViewMemory view;
+    const auto filtered = denoiser.run(passes_, {renderer_, request, film, view, 0, stop_}, figures);
+    throwIfStopped();
+    deviceSeconds_ += 1e-3 * (denoiser.took().guidesMs + denoiser.took().filterMs);
+    ownSeconds_ += threadCpuSeconds() - own;
+    return filtered;
+}
+
 FrameStats TurnFrames::render(Renderer& renderer, const FrameRequest& request, uint32_t samples, Film& film) {
     const double own = threadCpuSeconds();
     PassFigures figures;

@@ -29,6 +29,9 @@ public:
         if (stop_.stop_requested()) throw Stopped();
     }
 
+protected:
+    std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film) override;
+
 private:
     FrameStats render(Renderer& renderer, const FrameRequest& request, uint32_t samples, Film& film);
 
