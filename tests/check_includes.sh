@@ -58,6 +58,7 @@ libwebsockets    net
 nats             pool
 turbojpeg.h      images encode
 vpx/             encode
+wels/            encode
 jpeglib.h        encode
 png.h            images encode
 webp/            images

@@ -19,9 +19,9 @@ constexpr unsigned int NO_LIMIT_KBIT = 1'000'000;
 constexpr uint32_t LARGEST_SIDE = 16384;
 
 /// Tables of libvpx and its state for pictures of one size.
-class Context {
+class Vp9Context {
 public:
-    Context(uint32_t width, uint32_t height, uint32_t quantizer) {
+    Vp9Context(uint32_t width, uint32_t height, uint32_t quantizer) {
         check(vpx_codec_enc_config_default(vpx_codec_vp9_cx(), &config_, 0), "configuration");
         config_.g_w = width;
         config_.g_h = height;
@@ -46,8 +46,8 @@ public:
             throw;
         }
     }
-    ~Context() { vpx_codec_destroy(&codec_); }
-    Context(const Context&) = delete;
+    ~Vp9Context() { vpx_codec_destroy(&codec_); }
+    Vp9Context(const Vp9Context&) = delete;
 
     bool fits(uint32_t width, uint32_t height) const { return config_.g_w == width && config_.g_h == height; }
 
@@ -102,10 +102,10 @@ public:
 
     double encode(const DisplayImage& image, uint32_t quality, std::vector<uint8_t>& bytes) override {
         if (image.width == 0 || image.height == 0) throw std::runtime_error("vp9: no pixels");
-        if (std::max(image.width, image.height) > LARGEST_SIDE) throw std::runtime_error("vp9: too many pixels");
+        if (!vp9Fits(image.width, image.height)) throw std::runtime_error("vp9: too many pixels");
         const uint32_t quantizer = vp9Quantizer(quality);
         if (context_ && !context_->fits(image.width, image.height)) context_.reset();
-        if (!context_) context_ = std::make_unique<Context>(image.width, image.height, quantizer);
+        if (!context_) context_ = std::make_unique<Vp9Context>(image.width, image.height, quantizer);
         context_->setQuantizer(quantizer);
         toYuv(image, yuv_);
         try {
@@ -118,7 +118,7 @@ public:
     }
 
 private:
-    std::unique_ptr<Context> context_;
+    std::unique_ptr<Vp9Context> context_;
     YuvImage yuv_;
     bool wantsKey_ = false;
     bool key_ = false;
@@ -127,16 +127,11 @@ private:
 }  // namespace
 
 uint32_t vp9Quantizer(uint32_t quality) {
-    struct Point {
-        uint32_t quality, quantizer;
-    };
-    constexpr std::array<Point, 5> POINTS = {{{1, 60}, {25, 42}, {50, 35}, {80, 25}, {100, 4}}};
-    const uint32_t asked = std::clamp<uint32_t>(quality, 1, 100);
-    size_t i = 1;
-    while (POINTS[i].quality < asked) i++;
-    const Point &low = POINTS[i - 1], &high = POINTS[i];
-    return low.quantizer - (low.quantizer - high.quantizer) * (asked - low.quality) / (high.quality - low.quality);
+    constexpr std::array<QuantizerPoint, 5> POINTS = {{{1, 60}, {25, 42}, {50, 35}, {80, 25}, {100, 4}}};
+    return quantizerAt(POINTS, quality);
 }
+
+bool vp9Fits(uint32_t width, uint32_t height) { return std::max(width, height) <= LARGEST_SIDE; }
 
 std::unique_ptr<VideoEncoder> makeVp9Encoder() { return std::make_unique<Vp9Encoder>(); }
 

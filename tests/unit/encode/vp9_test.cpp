@@ -1,80 +1,15 @@
 #include "server/encode/vp9_encoder.h"
-#include "server/encode/yuv.h"
 
+#include "tests/support/vp9_decoder.h"
 #include <gtest/gtest.h>
-#include <vpx/vp8dx.h>
-#include <vpx/vpx_decoder.h>
 
-#include <algorithm>
-#include <cmath>
+#include <stdexcept>
 
 namespace heliograph::TEST_FILE {
 namespace {
 
-/// libvpx as a viewer has it.
-class Decoder {
-public:
-    Decoder() { EXPECT_EQ(vpx_codec_dec_init(&codec_, vpx_codec_vp9_dx(), nullptr, 0), VPX_CODEC_OK); }
-    ~Decoder() { vpx_codec_destroy(&codec_); }
-    Decoder(const Decoder&) = delete;
-    /// The picture that came out; its size is 0 where none did.
-    YuvImage decode(const std::vector<uint8_t>& bytes) {
-        YuvImage out;
-        if (vpx_codec_decode(&codec_, bytes.data(), static_cast<unsigned int>(bytes.size()), nullptr, 0) != VPX_CODEC_OK)
-            return out;
-        vpx_codec_iter_t at = nullptr;
-        const vpx_image_t* image = vpx_codec_get_frame(&codec_, &at);
-        if (!image) return out;
-        EXPECT_EQ(image->cs, VPX_CS_BT_709);
-        EXPECT_EQ(image->range, VPX_CR_STUDIO_RANGE);
-        out.width = image->d_w;
-        out.height = image->d_h;
-        const auto copy = [&](std::vector<uint8_t>& plane, int i, uint32_t width, uint32_t height) {
-            for (uint32_t row = 0; row < height; row++) {
-                const uint8_t* from = image->planes[i] + static_cast<ptrdiff_t>(row) * image->stride[i];
-                plane.insert(plane.end(), from, from + width);
-            }
-        };
-        copy(out.y, 0, out.width, out.height);
-        copy(out.u, 1, out.colourWidth(), out.colourHeight());
-        copy(out.v, 2, out.colourWidth(), out.colourHeight());
-        EXPECT_EQ(vpx_codec_get_frame(&codec_, &at), nullptr) << "one in, one out";
-        return out;
-    }
-
-private:
-    vpx_codec_ctx_t codec_{};
-};
-
-/// Soft waves that move with time.
-DisplayImage waves(uint32_t width, uint32_t height, uint32_t time) {
-    DisplayImage image{width, height, {}};
-    for (uint32_t y = 0; y < height; y++) {
-        for (uint32_t x = 0; x < width; x++) {
-            const double phase = 0.07 * (x + 2.0 * time);
-            const auto wave = [&](double turn) { return static_cast<uint8_t>(128 + 90 * std::sin(phase + turn + 0.05 * y)); };
-            image.rgba.insert(image.rgba.end(), {wave(0.0), wave(1.5), wave(3.0), 255});
-        }
-    }
-    return image;
-}
-
-/// Root of the mean square of the difference of codes.
-double difference(const YuvImage& a, const YuvImage& b) {
-    if (a.width != b.width || a.height != b.height) return 255.0;
-    double sum = 0.0;
-    const auto add = [&](const std::vector<uint8_t>& x, const std::vector<uint8_t>& y) {
-        for (size_t i = 0; i < x.size(); i++) sum += (x[i] - y[i]) * (x[i] - y[i]);
-    };
-    add(a.y, b.y), add(a.u, b.u), add(a.v, b.v);
-    return std::sqrt(sum / static_cast<double>(a.y.size() + a.u.size() + a.v.size()));
-}
-
-YuvImage yuvOf(const DisplayImage& image) {
-    YuvImage yuv;
-    toYuv(image, yuv);
-    return yuv;
-}
+using test::difference, test::waves, test::yuvOf;
+using Decoder = test::Vp9Decoder;
 
 TEST(Yuv, CodesAreThoseOfBt709) {
     const struct {
@@ -164,6 +99,14 @@ TEST(Vp9Encoder, RefusesWhatIsNoPictureAndGoesOn) {
     EXPECT_THROW(encoder->encode({70'000, 1, std::vector<uint8_t>(280'000)}, 80, bytes), std::runtime_error);
     encoder->encode(waves(64, 48, 0), 80, bytes);
     EXPECT_TRUE(encoder->key());
+}
+
+TEST(VideoEncoder, WhatIsNotBuiltIsRefused) {
+    EXPECT_TRUE(videoBuilt(VideoCodec::vp9));
+    EXPECT_EQ(makeVideoEncoder(VideoCodec::vp9)->mimeType(), "video/vp9");
+    EXPECT_EQ(videoFits(VideoCodec::h264, 1280, 720), videoBuilt(VideoCodec::h264));
+    if (videoBuilt(VideoCodec::h264)) EXPECT_EQ(makeVideoEncoder(VideoCodec::h264)->mimeType(), "video/h264");
+    else EXPECT_THROW(makeVideoEncoder(VideoCodec::h264), std::runtime_error);
 }
 
 TEST(Vp9Encoder, TheQuantizerFallsWithQuality) {
