@@ -3,7 +3,7 @@
 
 import type { Presentation } from './picture/display.js';
 import type { StreamMeter } from './picture/stream_meter.js';
-import type { Frame } from './wire/frame.js';
+import { isVideo, type Frame } from './wire/frame.js';
 import { LONGEST_PRESENTED_MS } from './wire/limits.js';
 import type { ViewerState } from './viewer_state.js';
 
@@ -34,7 +34,7 @@ export class Frames {
   arrived(frame: Frame, hidden: boolean, time: number): void {
     this.arrivals_.set(frame.frameId, time);
     if (!hidden) return this.hooks_.show(frame);
-    const video = frame.codec === 'vp9';
+    const video = isVideo(frame.codec);
     if (video) this.hooks_.skipped();
     this.dropped(frame, video ? 'undecodable' : 'newer', time);
   }
@@ -50,7 +50,7 @@ export class Frames {
   dropped(frame: Frame, reason: 'newer' | 'undecodable', time: number): void {
     this.state_.framesDropped += 1;
     this.acknowledge(frame.frameId, null, time, reason === 'undecodable');
-    if (reason === 'undecodable' && frame.codec !== 'vp9') this.hooks_.undecodable(frame);
+    if (reason === 'undecodable' && !isVideo(frame.codec)) this.hooks_.undecodable(frame);
   }
 
   /** A part of a picture was taken; the last one is told by what becomes of the picture. */

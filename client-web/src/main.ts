@@ -40,7 +40,7 @@ import './page/access.css'; // after what it says otherwise
 /** One below the other. */
 const COLUMN = ['light', 'settings', 'effects', 'accuracy'] as const;
 
-const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg', vp9: 'vp9' } as const;
+const EXTENSIONS = { png: 'png', exr: 'exr', jpeg: 'jpg', vp9: 'vp9', h264: 'h264' } as const;
 
 function download(file: Blob, name: string): void {
   const url = URL.createObjectURL(file);

@@ -24,7 +24,7 @@ import { initialState, type Message, type Topic, type ViewerState } from './view
 import type { PictureFormat, ViewerMessage } from './wire/viewer_message.js';
 import { StreamMeter } from './picture/stream_meter.js';
 import { Seat } from './seat.js';
-import { videoFault, VideoSupport } from './picture/video_support.js';
+import { videoFaults, VideoSupport } from './picture/video_support.js';
 import { viewOf, type Watching } from './watching.js';
 import { Connection, socketUrl, type ConnectionState } from './wire/socket.js';
 import { keepToken, takeToken, tokenOf } from './wire/token.js';
@@ -63,7 +63,7 @@ export class Viewer {
   private readonly restoring_ = new Restoring();
   private readonly video_ = new VideoSupport(
     { changed: () => this.tellClient(), notice: (text) => this.onMessage({ kind: 'notice', text }) },
-    videoFault(window.VideoDecoder, window.isSecureContext),
+    videoFaults(window.VideoDecoder, window.isSecureContext),
   );
   private restTimer_ = 0;
   private resizeTimer_ = 0;
@@ -91,7 +91,7 @@ export class Viewer {
       },
       dropped: (frame, reason) => this.frames_.dropped(frame, reason, performance.now()),
       partTaken: (frame) => this.frames_.partTaken(frame, performance.now()),
-      videoFailed: (reason) => this.video_.failed(reason),
+      videoFailed: (codec, reason) => this.video_.failed(codec, reason),
     });
     const hooks = {
       state: (state: ConnectionState) => this.connectionChanged(state),
@@ -325,6 +325,7 @@ export class Viewer {
     this.state.hello = hello;
     this.state.ownScene = '';
     this.settings.setSchema(hello.schema);
+    this.video_.served(hello.videos);
     this.tellClient();
     if (before !== null && before.server !== hello.server) {
       this.onMessage({
@@ -339,7 +340,7 @@ export class Viewer {
 
   /** A page that nobody sees is sent nothing. */
   private tellClient(): void {
-    this.connection_.send({ type: 'client', visible: !document.hidden, exact: true, vp9: this.video_.works });
+    this.connection_.send({ type: 'client', visible: !document.hidden, exact: true, ...this.video_.shown });
   }
 
   private makeMeasuring(): Measuring {

@@ -61,7 +61,7 @@ test('Frames: a frame of another scene than the one looked at is acknowledged an
 
 test('Frames: a picture of a video that is lost is told to the server, not to people', () => {
   const { flow, broken, lost, skipped } = frames();
-  const picture = (frameId: number): Frame => ({ ...frame(frameId), codec: 'vp9' });
+  const picture = (frameId: number): Frame => ({ ...frame(frameId), codec: frameId === 3 ? 'h264' : 'vp9' });
   flow.dropped(picture(1), 'newer', 1);
   assert.deepEqual([lost, skipped()], [[], 0]);
   flow.arrived(picture(2), true, 2);

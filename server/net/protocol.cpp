@@ -185,6 +185,7 @@ void read(const Fields& fields, ClientMessage& message) {
     if (!fields.isNull("visible")) message.visible = fields.boolean("visible");
     if (!fields.isNull("exact")) message.exact = fields.boolean("exact");
     if (!fields.isNull("vp9")) message.vp9 = fields.boolean("vp9");
+    if (!fields.isNull("h264")) message.h264 = fields.boolean("h264");
 }
 
 /// The alternatives of ViewerMessage by their TYPE.

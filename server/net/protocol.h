@@ -118,6 +118,7 @@ struct ClientMessage {
     bool visible = true;  // somebody can see its pictures
     bool exact = false;   // it puts pictures together from parts
     bool vp9 = false;     // it decodes this video
+    bool h264 = false;    // and this one
 };
 
 using ViewerMessage = std::variant<CameraMessage, SettingsMessage, ResolutionMessage, SceneMessage, AckMessage, PictureMessage,
@@ -142,7 +143,8 @@ private:
 ViewerMessage parseViewerMessage(std::string_view text);
 
 enum class FrameKind : uint8_t { frame = 1, picture = 2, part = 3 };
-enum class FrameCodec : uint8_t { jpeg = 0, png = 1, exr = 2, vp9 = 3 };
+enum class FrameCodec : uint8_t { jpeg = 0, png = 1, exr = 2, vp9 = 3, h264 = 4 };
+constexpr bool isVideo(FrameCodec codec) { return codec == FrameCodec::vp9 || codec == FrameCodec::h264; }
 constexpr uint8_t FRAME_MOVING = 1;
 constexpr uint8_t FRAME_FINAL = 2;
 constexpr uint8_t FRAME_PATH = 4;

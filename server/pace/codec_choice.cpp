@@ -16,6 +16,13 @@ constexpr double LONGEST_STEP = 0.2;           // seconds between two pictures t
 
 }  // namespace
 
+CodecSetting videoFor(CodecSetting setting, Videos made, Videos shown) {
+    const bool both[] = {made.vp9 && shown.vp9, made.h264 && shown.h264};
+    if (both[1] && (setting == CodecSetting::automatic || setting == CodecSetting::h264)) return CodecSetting::h264;
+    if (both[0] && (setting == CodecSetting::automatic || setting == CodecSetting::vp9)) return CodecSetting::vp9;
+    return CodecSetting::jpeg;
+}
+
 bool CodecChoice::seen(uint32_t level, double lineDelay, double viewerDelay, double now) {
     const double passed = std::min(now - std::exchange(seenAt_, now), LONGEST_STEP);
     if (!video_) {

@@ -8,7 +8,17 @@
 namespace heliograph {
 
 /// Order as in the setting `codec`.
-enum class CodecSetting : uint32_t { automatic, jpeg, vp9 };
+enum class CodecSetting : uint32_t { automatic, jpeg, vp9, h264 };
+
+/// Those that somebody can make, or show.
+struct Videos {
+    bool vp9 = false;
+    bool h264 = false;
+};
+
+/// The video of pictures that are to be one; `jpeg` where the setting or one of the ends knows none. `automatic` takes H.264
+/// before VP9: docs/measurements/feel.md.
+CodecSetting videoFor(CodecSetting setting, Videos made, Videos shown);
 
 class CodecChoice {
 public:

@@ -2,6 +2,7 @@
 
 #include "server/scene/framing.h"
 
+#include "server/encode/video_encoder.h"
 #include "server/pace/bottleneck.h"
 #include "server/pace/quality_ladder.h"
 #include "server/request/device_rows.h"
@@ -35,13 +36,29 @@ std::string text(const json& message) { return message.dump(-1, ' ', false, json
 /// JSON has no infinity; figures that were never measured are 0.
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
+const char* codecWord(FrameCodec codec) {
+    switch (codec) {
+        case FrameCodec::vp9: return "vp9";
+        case FrameCodec::h264: return "h264";
+        default: return "jpeg";
+    }
+}
+
+/// Those that this program makes.
+json videos() {
+    json names = json::array();
+    if (videoBuilt(VideoCodec::vp9)) names.push_back("vp9");
+    if (videoBuilt(VideoCodec::h264)) names.push_back("h264");
+    return names;
+}
+
 /// What pictures are made smaller or worse for, and by how much.
 json paceJson(const LineFigures& line, const ScaleFigures& scale) {
     const PaceFigures figures{scale.step > 0, line.level, line.lineDelay, line.viewerDelay, line.forLine};
     return {{"limit", wordOf(bottleneckOf(figures))},
             {"scale", scaleOf(scale.step + scaleStepsAt(line.level))},
             {"quality", line.quality},
-            {"codec", line.video ? "vp9" : "jpeg"},
+            {"codec", codecWord(line.codec)},
             {"fullMs", 1e3 * finite(scale.fullSeconds)},
             {"roundTripMs", 1e3 * finite(line.roundTrip)},
             {"lineMs", 1e3 * finite(line.lineDelay)},
@@ -138,6 +155,7 @@ std::string helloMessage(uint32_t viewer, const std::string& view, const std::st
                  {"schema", schema},
                  {"devices", kinds},
                  {"scenes", offered},
+                 {"videos", videos()},
                  {"maxUnacked", MAX_UNACKED}});
 }
 

@@ -23,14 +23,14 @@ namespace heliograph {
 /// Figures of one viewer over about the last half second. Milliseconds are means per frame sent.
 /// What lies between server and eye, as it was measured.
 struct LineFigures {
-    double roundTrip = 0.0;       // seconds, the least of the last ten
-    double bytesPerSecond = 0.0;  // the most that was delivered; no more than was sent
-    double lineDelay = 0.0;       // seconds that pictures of a moving view queue on the line
-    double viewerDelay = 0.0;     // and take longer in the viewer than they must
-    uint32_t level = 0;           // of the quality ladder
-    uint32_t quality = 0;         // JPEG quality while the view moves
-    bool video = false;           // the last picture is one's
-    bool forLine = false;         // pictures of a changing view are one, as JPEG was too large for the line
+    double roundTrip = 0.0;               // seconds, the least of the last ten
+    double bytesPerSecond = 0.0;          // the most that was delivered; no more than was sent
+    double lineDelay = 0.0;               // seconds that pictures of a moving view queue on the line
+    double viewerDelay = 0.0;             // and take longer in the viewer than they must
+    uint32_t level = 0;                   // of the quality ladder
+    uint32_t quality = 0;                 // JPEG quality while the view moves
+    FrameCodec codec = FrameCodec::jpeg;  // of the last picture
+    bool forLine = false;                 // pictures of a changing view are a video, as JPEG was too large for the line
 };
 
 struct ViewerStats {

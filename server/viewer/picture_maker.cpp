@@ -5,7 +5,7 @@
 #include "server/encode/jpeg_encoder.h"
 #include "server/encode/png_encoder.h"
 #include "server/encode/tone_map.h"
-#include "server/encode/vp9_encoder.h"
+#include "server/encode/video_encoder.h"
 
 #include <algorithm>
 
@@ -63,6 +63,15 @@ struct PictureMaker::Encoders {
     std::unique_ptr<Encoder> savedJpeg = makeJpegEncoder(StripeThreads::own);
     std::unique_ptr<Encoder> png = makePngEncoder();
     std::unique_ptr<VideoEncoder> video;  // as long as pictures are sent as one
+    FrameCodec videoCodec = FrameCodec::vp9;
+
+    /// The one of that codec: another one's pictures were of another video.
+    VideoEncoder& videoOf(FrameCodec codec) {
+        if (!video || videoCodec != codec)
+            video = makeVideoEncoder(codec == FrameCodec::h264 ? VideoCodec::h264 : VideoCodec::vp9);
+        videoCodec = codec;
+        return *video;
+    }
 };
 
 PictureMaker::PictureMaker() : encoders_(std::make_unique<Encoders>()) {}
@@ -70,18 +79,19 @@ PictureMaker::~PictureMaker() = default;
 
 /// What was developed.
 void PictureMaker::encode(const FinishedFrame& frame, const PictureKey& key, MadePicture& made) {
-    std::unique_ptr<VideoEncoder>& video = encoders_->video;
     switch (key.codec) {
         case FrameCodec::exr: return encodeExr(pixels_, frame.size, made.payload);
         case FrameCodec::png: encoders_->png->encode(display_, key.quality, made.payload); return;
         case FrameCodec::vp9:
-            if (!video) video = makeVp9Encoder();
-            if (key.beginsVideo) video->wantKey();
-            made.helpSeconds += video->encode(display_, key.quality, made.payload);
-            made.keyPicture = video->key();
+        case FrameCodec::h264: {
+            VideoEncoder& video = encoders_->videoOf(key.codec);
+            if (key.beginsVideo) video.wantKey();
+            made.helpSeconds += video.encode(display_, key.quality, made.payload);
+            made.keyPicture = video.key();
             return;
+        }
         case FrameCodec::jpeg:
-            if (frame.view.moving && !frame.picture) video.reset();  // pictures are no video any more
+            if (frame.view.moving && !frame.picture) encoders_->video.reset();  // pictures are no video any more
             made.helpSeconds +=
                 (frame.picture ? encoders_->savedJpeg : encoders_->jpeg)->encode(display_, key.quality, made.payload);
     }

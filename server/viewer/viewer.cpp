@@ -1,6 +1,7 @@
 #include "server/viewer/viewer.h"
 
 #include "server/base/log.h"
+#include "server/encode/video_encoder.h"
 #include "server/viewer/messages.h"
 
 #include <algorithm>
@@ -15,6 +16,17 @@ constexpr uint32_t PART_PIXELS = 32768;  // of a part: some 60 KB, so that a new
 
 double secondsOf(Viewer::Clock::time_point time) { return std::chrono::duration<double>(time.time_since_epoch()).count(); }
 double secondsNow() { return secondsOf(Viewer::Clock::now()); }
+
+/// The video that the frame may be one of; jpeg: none.
+FrameCodec videoOf(const FinishedFrame& frame, const ClientMessage& client) {
+    const auto made = [&](VideoCodec codec) { return videoFits(codec, frame.size.x, frame.size.y); };
+    const Videos ours = {made(VideoCodec::vp9), made(VideoCodec::h264)};
+    switch (videoFor(static_cast<CodecSetting>(frame.view.settings.codec), ours, {client.vp9, client.h264})) {
+        case CodecSetting::vp9: return FrameCodec::vp9;
+        case CodecSetting::h264: return FrameCodec::h264;
+        default: return FrameCodec::jpeg;
+    }
+}
 
 bool stalledSince(std::optional<double> oldest, double now) {
     return oldest && now - *oldest > std::chrono::duration<double>(STALL_PAUSE).count();
@@ -64,7 +76,7 @@ Readiness Viewer::readiness() const {
     std::lock_guard lock(mutex_);
     if (!client_.visible) return Readiness::stalled;
     // In the socket another frame would replace it, and those that build on it would be of no use.
-    if (video_ && unwritten_) return stalledSince(line_.oldest(), secondsNow()) ? Readiness::stalled : Readiness::noCredit;
+    if (video() && unwritten_) return stalledSince(line_.oldest(), secondsNow()) ? Readiness::stalled : Readiness::noCredit;
     if (line_.room(frameSeconds_, MAX_UNACKED)) return Readiness::ready;
     return stalledSince(line_.oldest(), secondsNow()) ? Readiness::stalled : Readiness::noCredit;
 }
@@ -86,10 +98,10 @@ void Viewer::take(FinishedFrame frame, std::shared_ptr<SharedPictures> shared) {
         if (!frame.picture) line_.begin(header.frameId, secondsNow(), frame.view.moving);
         if (!frame.picture && frame.view.moving) smooth(frameSeconds_, frame.figures.lastPassSeconds);
         header.codec = codecOf(frame);
-        const bool video = header.codec == FrameCodec::vp9;
+        const bool video = isVideo(header.codec);
         if (video || header.codec == FrameCodec::jpeg) header.quality = static_cast<uint8_t>(qualityOf(frame));
         if (video && std::exchange(keyWanted_, false)) header.flags = FRAME_KEY;
-        if (!frame.picture) video_ = video;
+        if (!frame.picture) sentAs_ = header.codec;
         if (video) unwritten_ = true, shared.reset();
     }
     encoder_.encode(std::move(frame), header, keep, std::move(shared));
@@ -120,9 +132,11 @@ bool Viewer::refine() {
 FrameCodec Viewer::codecOf(const FinishedFrame& frame) {
     if (frame.picture) return savedCodec(frame.picture->format);
     const auto setting = static_cast<CodecSetting>(frame.view.settings.codec);
-    if (setting != CodecSetting::automatic || !frame.view.settings.adaptiveQuality || !client_.vp9) codec_.reset();
-    const bool video = setting == CodecSetting::vp9 || codec_.video();
-    return video && client_.vp9 && (frame.view.moving || !frame.final) ? FrameCodec::vp9 : FrameCodec::jpeg;
+    const FrameCodec video = videoOf(frame, client_);
+    choosesCodec_ = setting == CodecSetting::automatic && frame.view.settings.adaptiveQuality && isVideo(video);
+    if (!choosesCodec_) codec_.reset();
+    const bool wanted = setting != CodecSetting::automatic || codec_.video();
+    return wanted && (frame.view.moving || !frame.final) ? video : FrameCodec::jpeg;
 }
 
 /// With the lock held. The last frame of a view is a better one, unless the line is short of room.
@@ -157,7 +171,7 @@ void Viewer::encoded(uint32_t frameId, std::optional<EncodedFrame> frame, const 
             line_.drop(frameId);  // it will never be acknowledged
             still_.reset();       // without one of its parts it is of no use
             keyWanted_ = true;
-            if (video_) unwritten_ = false;
+            if (video()) unwritten_ = false;
         }
         listener_.encodingFailed(failure);
     }
@@ -225,7 +239,7 @@ void Viewer::queued(const QueueDelay& delay, double now) {
     ladder_.seen(delay.total(), now);
     smooth(figures_.lineDelay, delay.line);
     smooth(figures_.viewerDelay, delay.viewer);
-    if (client_.vp9 && codec_.seen(ladder_.level(), figures_.lineDelay, figures_.viewerDelay, now)) ladder_.reset();
+    if (choosesCodec_ && codec_.seen(ladder_.level(), figures_.lineDelay, figures_.viewerDelay, now)) ladder_.reset();
 }
 
 PictureOrder Viewer::orderPicture(PictureFormat format) {
@@ -247,7 +261,7 @@ void Viewer::written(FrameKind kind, double waitSeconds, double writeSeconds) {
         std::lock_guard lock(mutex_);
         unwritten_ = false;
         if (kind == FrameKind::frame) stats_.frameWritten(waitSeconds, writeSeconds);
-        if (!still_ && !video_) return;
+        if (!still_ && !video()) return;
     }
     listener_.drained();
 }
@@ -269,7 +283,7 @@ ViewerStats Viewer::takeStats(double seconds, Turns::Used used) {
     ViewerStats stats = stats_.take(seconds, used);
     stats.line = figures_;
     stats.line.level = ladder_.level();
-    stats.line.video = video_;
+    stats.line.codec = sentAs_;
     stats.line.forLine = codec_.video();
     stats.line.quality = qualityAt(ladder_.level(), quality_);
     stats.line.roundTrip = line_.leastRoundTrip();

@@ -83,6 +83,7 @@ private:
     void send(EncodedFrame&& frame);
     uint32_t qualityOf(const FinishedFrame& frame);
     FrameCodec codecOf(const FinishedFrame& frame);
+    bool video() const { return isVideo(sentAs_); }
     void queued(const QueueDelay& delay, double now);
 
     const uint32_t number_;
@@ -101,9 +102,10 @@ private:
     LineMeter line_;                             // and the frames on their way
     QualityLadder ladder_;
     CodecChoice codec_;
-    bool video_ = false;      // the last frame is one of a video
-    bool keyWanted_ = false;  // the next one begins it anew
-    uint32_t lastKey_ = 0;    // the last frame that did
+    bool choosesCodec_ = false;             // nobody has asked for one, and there is a choice
+    FrameCodec sentAs_ = FrameCodec::jpeg;  // the last frame; the next one of a video builds on it
+    bool keyWanted_ = false;                // the next one begins it anew
+    uint32_t lastKey_ = 0;                  // the last frame that did
     LineFigures figures_;
     double frameSeconds_ = 0.05;  // of a pass while the view moves, smoothed
     uint32_t lastPicture_ = 0;

@@ -68,6 +68,7 @@ class FakeViewer {
       schema: SCHEMA,
       devices: deviceKinds(),
       scenes: SCENES,
+      videos: ['vp9'],
       maxUnacked: 2,
     });
     this.say({ type: 'settings', values: this.settings });

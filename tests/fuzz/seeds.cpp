@@ -23,7 +23,7 @@ std::vector<Seed> messages() {
         R"({"type":"resolution","inputId":9,"width":320,"height":180})",
         R"({"type":"scene","name":"cornell"})",
         R"({"type":"ack","frameId":3,"presentedMs":12.5,"shownMs":4})",
-        R"({"type":"client","visible":false,"exact":true,"vp9":true})",
+        R"({"type":"client","visible":false,"exact":true,"vp9":true,"h264":true})",
         R"({"type":"picture","format":"png"})",
         R"({"type":"path","playing":true})",
         R"({"type":"ping","time":1.5})",

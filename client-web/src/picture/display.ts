@@ -4,7 +4,7 @@
 import { ExactPicture } from './exact_picture.js';
 import { FrameQueue } from './frame_queue.js';
 import { VideoPictures } from './video_pictures.js';
-import { MIME_TYPES, type Frame } from '../wire/frame.js';
+import { isVideo, MIME_TYPES, type Frame, type VideoCodec } from '../wire/frame.js';
 
 export interface Presentation {
   readonly frame: Frame;
@@ -20,7 +20,7 @@ export interface DisplayHooks {
   /** A part of a picture was taken, or is of no use. */
   partTaken(frame: Frame): void;
   /** Videos cannot be shown: why. */
-  videoFailed(reason: string): void;
+  videoFailed(codec: VideoCodec, reason: string): void;
 }
 
 /** The bytes of the file are the pixels: no profile of the screen, no alpha. */
@@ -60,11 +60,14 @@ export class Display {
     this.video_ = new VideoPictures<ImageBitmap>({
       decoder: (init) => new VideoDecoder(init),
       chunk: (init) => new EncodedVideoChunk(init),
-      image: (decoded) => createImageBitmap(decoded),
+      image: (decoded, { width, height }) =>
+        decoded.displayWidth === width && decoded.displayHeight === height
+          ? createImageBitmap(decoded)
+          : createImageBitmap(decoded, 0, 0, width, height),
       failed: hooks.videoFailed,
     });
     this.queue_ = new FrameQueue<ImageBitmap>({
-      decode: (frame) => (frame.codec === 'vp9' ? this.video_.decode(frame) : decodeStill(frame)),
+      decode: (frame) => (isVideo(frame.codec) ? this.video_.decode(frame) : decodeStill(frame)),
       schedule: () => this.schedule(),
       draw: (image, frame, decodeMs) => {
         this.draw(image, frame, decodeMs);

@@ -1,5 +1,6 @@
 // In words, what keeps pictures from being larger, better or more. Knows no DOM.
 
+import { isVideo, VIDEO_NAMES } from '../wire/frame.js';
 import type { Pace } from '../wire/protocol.js';
 
 export interface PaceText {
@@ -26,7 +27,7 @@ export const denoisedText = (samples: number): PaceText => ({
 
 /** Null where nothing limits. */
 export function paceText(pace: Pace): PaceText | null {
-  const kind = pace.codec === 'vp9' ? 'are a VP9 video, have' : 'have';
+  const kind = isVideo(pace.codec) ? `are a video (${VIDEO_NAMES[pace.codec]}), have` : 'have';
   const size = `Pictures of a moving view ${kind} ${Math.round(pace.scale * 100)} % of the width and JPEG quality ${pace.quality}`;
   switch (pace.limit) {
     case 'none':

@@ -2,10 +2,16 @@
 // missing none can be decoded until the next key picture. Knows no DOM, so tests bring a decoder of their own.
 
 import type { DecodedImage } from './frame_queue.js';
-import type { Frame } from '../wire/frame.js';
+import { isVideo, VIDEO_NAMES, type Frame, type VideoCodec } from '../wire/frame.js';
 
-/** What is asked of a browser: VP9, profile 0, 8 bits, pictures up to 8192 pixels wide; none is to be held back. */
-export const VIDEO_CONFIG = { codec: 'vp09.00.61.08', optimizeForLatency: true };
+/**
+ * What is asked of a browser: VP9, profile 0, 8 bits, pictures up to 8192 pixels wide; H.264, constrained baseline, as many
+ * pixels as 4096x2304, Annex B. None is to be held back.
+ */
+export const VIDEO_CONFIGS: Readonly<Record<VideoCodec, VideoDecoderConfig>> = {
+  vp9: { codec: 'vp09.00.61.08', optimizeForLatency: true },
+  h264: { codec: 'avc1.42e034', optimizeForLatency: true },
+};
 
 const MOST_FAILURES = 3; // of pictures in a row, each begun anew
 const HELD_MS = 3000; // longer than any decoder works: it waits for the next picture
@@ -14,13 +20,14 @@ export interface VideoHooks<Image extends DecodedImage> {
   /** Throws where the browser has none. */
   decoder(init: VideoDecoderInit): Pick<VideoDecoder, 'configure' | 'decode' | 'close' | 'state'>;
   chunk(init: EncodedVideoChunkInit): EncodedVideoChunk;
-  /** The picture for the canvas; the decoded one is closed afterwards. */
-  image(decoded: VideoFrame): Promise<Image>;
-  /** Videos cannot be shown: why. */
-  failed(reason: string): void;
+  /** The picture for the canvas, the upper left of what was decoded, which may be larger and is closed afterwards. */
+  image(decoded: VideoFrame, frame: Frame): Promise<Image>;
+  /** Videos of that codec cannot be shown: why. */
+  failed(codec: VideoCodec, reason: string): void;
 }
 
 interface Awaited<Image> {
+  readonly frame: Frame;
   readonly resolve: (image: Image | Promise<Image>) => void;
   readonly reject: (error: Error) => void;
   readonly timer: ReturnType<typeof setTimeout>;
@@ -28,6 +35,7 @@ interface Awaited<Image> {
 
 export class VideoPictures<Image extends DecodedImage> {
   private decoder_: ReturnType<VideoHooks<Image>['decoder']> | null = null;
+  private codec_: VideoCodec = 'vp9'; // of the decoder
   private readonly awaited_ = new Map<number, Awaited<Image>>(); // by time stamp
   private time_ = 0;
   private keyNeeded_ = true;
@@ -40,11 +48,12 @@ export class VideoPictures<Image extends DecodedImage> {
 
   /** Rejects where it cannot be decoded; those that follow cannot either, until a key picture comes. */
   decode(frame: Frame): Promise<Image> {
+    if (isVideo(frame.codec) && frame.codec !== this.codec_) this.begin(frame.codec);
     if (this.keyNeeded_ && !frame.key) return Promise.reject(new Error('a picture before it is missing'));
     return new Promise((resolve, reject) => {
       const timestamp = ++this.time_;
       const timer = setTimeout(() => this.held(), this.heldMs_);
-      this.awaited_.set(timestamp, { resolve, reject, timer });
+      this.awaited_.set(timestamp, { frame, resolve, reject, timer });
       try {
         this.decoder_ ??= this.open();
         this.keyNeeded_ = false;
@@ -66,6 +75,13 @@ export class VideoPictures<Image extends DecodedImage> {
     this.drop(new Error('the connection has ended'));
   }
 
+  /** Another video, of that codec. */
+  private begin(codec: VideoCodec): void {
+    this.failures_ = 0;
+    this.drop(new Error('another video has begun'));
+    this.codec_ = codec;
+  }
+
   private open(): NonNullable<typeof this.decoder_> {
     const decoder = this.hooks_.decoder({
       output: (decoded) => this.decoded(decoded),
@@ -73,7 +89,7 @@ export class VideoPictures<Image extends DecodedImage> {
         if (this.decoder_ === decoder) this.broken(error);
       },
     });
-    decoder.configure(VIDEO_CONFIG);
+    decoder.configure(VIDEO_CONFIGS[this.codec_]);
     return decoder;
   }
 
@@ -83,18 +99,22 @@ export class VideoPictures<Image extends DecodedImage> {
     this.awaited_.delete(frame.timestamp);
     clearTimeout(awaited.timer);
     this.failures_ = 0;
-    awaited.resolve(this.hooks_.image(frame).finally(() => frame.close()));
+    awaited.resolve(this.hooks_.image(frame, awaited.frame).finally(() => frame.close()));
   }
 
   private broken(error: Error): void {
     this.drop(error);
     this.failures_ += 1;
-    if (this.failures_ === MOST_FAILURES) this.hooks_.failed(`This browser fails to decode video (${error.message}).`);
+    if (this.failures_ === MOST_FAILURES) this.fail(`fails to decode ${VIDEO_NAMES[this.codec_]} (${error.message})`);
   }
 
   private held(): void {
     this.drop(new Error('held back'));
-    this.hooks_.failed('This browser holds pictures of a video back.');
+    this.fail(`holds pictures of a video (${VIDEO_NAMES[this.codec_]}) back`);
+  }
+
+  private fail(what: string): void {
+    this.hooks_.failed(this.codec_, `This browser ${what}.`);
   }
 
   private drop(error: Error): void {

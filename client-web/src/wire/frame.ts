@@ -6,14 +6,19 @@ import type { DeviceKind } from './protocol.js';
 /** Something from the server that does not follow the protocol. */
 export class ProtocolError extends Error {}
 
-export type Codec = 'jpeg' | 'png' | 'exr' | 'vp9';
-const CODECS: readonly Codec[] = ['jpeg', 'png', 'exr', 'vp9'];
+export type VideoCodec = 'vp9' | 'h264';
+export type Codec = 'jpeg' | 'png' | 'exr' | VideoCodec;
+const CODECS: readonly Codec[] = ['jpeg', 'png', 'exr', 'vp9', 'h264'];
 export const MIME_TYPES: Readonly<Record<Codec, string>> = {
   jpeg: 'image/jpeg',
   png: 'image/png',
   exr: 'image/x-exr',
   vp9: 'video/vp9',
+  h264: 'video/h264',
 };
+export const VIDEO_NAMES: Readonly<Record<VideoCodec, string>> = { vp9: 'VP9', h264: 'H.264' };
+export const VIDEO_CODECS: readonly VideoCodec[] = ['vp9', 'h264'];
+export const isVideo = (codec: unknown): codec is VideoCodec => VIDEO_CODECS.includes(codec as VideoCodec);
 
 /** Which pixels of a picture a part holds. */
 export interface Place {

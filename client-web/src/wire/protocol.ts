@@ -86,6 +86,7 @@ export interface Hello {
   readonly schema: readonly SettingRow[];
   readonly devices: readonly DeviceKind[];
   readonly scenes: readonly SceneEntry[];
+  readonly videos: readonly string[]; // that it can make
   readonly maxUnacked: number;
 }
 
@@ -273,6 +274,7 @@ function helloOf(fields: Fields): Hello {
       const scene = fieldsOf(entry);
       return { name: textOf(scene['name']), description: textOf(scene['description']) };
     }),
+    videos: listOf(fields['videos']).map(textOf),
     maxUnacked: numberOf(fields['maxUnacked'], 2),
   };
 }

@@ -1,6 +1,7 @@
 // What the page may say to the server (docs/reference/protocol.md).
 
 import type { Camera } from '../camera/camera.js';
+import type { VideoCodec } from './frame.js';
 import type { SettingValues } from './protocol.js';
 
 export type PictureFormat = 'png' | 'exr' | 'jpg';
@@ -19,5 +20,5 @@ export type ViewerMessage =
   | { type: 'watch'; inputId: number; view?: string; key?: string } // without a view: one of its own
   | { type: 'drive'; inputId: number; viewer?: number; refuse?: boolean } // without a viewer: asks to drive
   | { type: 'ping'; time: number; roundTripMs: number | null } // of the ping before
-  | { type: 'client'; visible: boolean; exact: boolean; vp9: boolean } // somebody sees the page; it puts parts together
+  | ({ type: 'client'; visible: boolean; exact: boolean } & Record<VideoCodec, boolean>) // seen; puts parts together; decodes
   | { type: 'token'; token: string };

@@ -35,7 +35,7 @@ test('paceText: what limits is told with its figure', () => {
 
 test('paceText: a video is told as one', () => {
   const words = paceText(paceOf({ pace: { ...PACE, limit: 'line', codec: 'vp9' } })!);
-  assert.match(words?.help ?? '', /^Pictures of a moving view are a VP9 video, have 44 % of the width and JPEG quality 50/);
+  assert.match(words?.help ?? '', /^Pictures of a moving view are a video \(VP9\), have 44 % of the width and JPEG quality 50/);
 });
 
 test('paceText: a server that says nothing of it limits nothing', () => {

@@ -45,6 +45,7 @@ function changed(offset: number, value: number): ArrayBuffer {
 
 test('parseFrame: a picture of a video says whether it needs one before it', () => {
   assert.equal(parseFrame(changed(3, 3), DEVICE_KINDS).codec, 'vp9');
+  assert.equal(parseFrame(changed(3, 4), DEVICE_KINDS).codec, 'h264');
   assert.deepEqual([parseFrame(changed(6, 1), DEVICE_KINDS).key, parseFrame(changed(6, 9), DEVICE_KINDS).key], [false, true]);
 });
 
@@ -119,12 +120,13 @@ test('parseMessage: hello with its table; a choice\u2019s default may be a word 
   for (const preset of ['linear', 1]) {
     const schema = [{ ...row, default: preset }];
     const hello = parseMessage(
-      JSON.stringify({ type: 'hello', protocol: 'heliograph.v1', schema, devices: DEVICE_KINDS }),
+      JSON.stringify({ type: 'hello', protocol: 'heliograph.v1', schema, devices: DEVICE_KINDS, videos: ['vp9'] }),
     );
     assert.ok(hello?.type === 'hello');
     assert.equal(hello.schema[0]?.default, 'linear');
     assert.equal(hello.maxUnacked, 2);
     assert.deepEqual(hello.devices, DEVICE_KINDS);
+    assert.deepEqual(hello.videos, ['vp9']);
   }
 });
 

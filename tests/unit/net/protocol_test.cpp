@@ -89,7 +89,11 @@ TEST(Protocol, AClientSaysWhatItIsLike) {
     const auto page = std::get<ClientMessage>(parseViewerMessage(R"({"type":"client","visible":false,"exact":true})"));
     EXPECT_FALSE(page.visible);
     EXPECT_TRUE(page.exact);
+    EXPECT_FALSE(page.vp9 || page.h264);
+    const auto videos = std::get<ClientMessage>(parseViewerMessage(R"({"type":"client","vp9":true,"h264":true})"));
+    EXPECT_TRUE(videos.vp9 && videos.h264);
     EXPECT_THROW(parseViewerMessage(R"({"type":"client","visible":1})"), MessageError);
+    EXPECT_THROW(parseViewerMessage(R"({"type":"client","h264":1})"), MessageError);
 }
 
 TEST(Protocol, ADriveAsksOrAnswers) {

@@ -48,5 +48,21 @@ TEST(CodecChoice, ALineThatStaysSlowIsTriedMoreAndMoreSeldom) {
     EXPECT_GE(changes, 9);
 }
 
+TEST(CodecChoice, AVideoIsOneThatBothEndsKnow) {
+    const Videos none, vp9{true, false}, h264{false, true}, both{true, true};
+    const auto automatic = [](Videos made, Videos shown) { return videoFor(CodecSetting::automatic, made, shown); };
+    EXPECT_EQ(automatic(both, both), CodecSetting::h264) << "the cheaper one";
+    EXPECT_EQ(automatic(vp9, both), CodecSetting::vp9);
+    EXPECT_EQ(automatic(both, vp9), CodecSetting::vp9);
+    EXPECT_EQ(automatic(both, h264), CodecSetting::h264);
+    EXPECT_EQ(automatic(vp9, h264), CodecSetting::jpeg);
+    EXPECT_EQ(automatic(both, none), CodecSetting::jpeg);
+    EXPECT_EQ(videoFor(CodecSetting::jpeg, both, both), CodecSetting::jpeg);
+    EXPECT_EQ(videoFor(CodecSetting::vp9, both, both), CodecSetting::vp9);
+    EXPECT_EQ(videoFor(CodecSetting::h264, both, both), CodecSetting::h264);
+    EXPECT_EQ(videoFor(CodecSetting::h264, vp9, both), CodecSetting::jpeg) << "who asks for one is given no other";
+    EXPECT_EQ(videoFor(CodecSetting::vp9, both, h264), CodecSetting::jpeg);
+}
+
 }  // namespace
 }  // namespace heliograph::TEST_FILE

@@ -1,6 +1,7 @@
 #include "server/stream/session.h"
 
 #include "server/base/error.h"
+#include "server/encode/video_encoder.h"
 #include "server/request/device_rows.h"
 
 #include "tests/unit/stream/stream_fakes.h"
@@ -30,6 +31,8 @@ TEST(Session, GreetsInOrder) {
     EXPECT_EQ(devices[1]["words"], json::array()) << "vulkan is not offered";
     EXPECT_EQ(line.socket->texts[0]["scenes"][1]["name"], "second");
     EXPECT_EQ(line.socket->texts[0]["maxUnacked"], 32);
+    EXPECT_EQ(line.socket->texts[0]["videos"],
+              videoBuilt(VideoCodec::h264) ? json({"vp9", "h264"}) : json(std::vector<std::string>{"vp9"}));
     EXPECT_GT(line.socket->texts[0]["schema"].size(), 20u);
     EXPECT_EQ(line.socket->texts[1]["type"], "settings");
     EXPECT_EQ(line.socket->texts[1]["values"]["samples"], 1);

@@ -1,6 +1,7 @@
 #include "server/viewer/viewer.h"
 
 #include "server/base/error.h"
+#include "server/encode/video_encoder.h"
 #include "server/images/picture_reader.h"
 
 #include "tests/support/until.h"
@@ -279,10 +280,10 @@ struct Taker {
 };
 
 /// Of a view that is to be a video.
-FinishedFrame videoFrameOf(uvec2 size, uint32_t generation) {
+FinishedFrame videoFrameOf(uvec2 size, uint32_t generation, CodecSetting codec = CodecSetting::vp9) {
     FinishedFrame frame = frameOf(size, generation);
     frame.view.moving = true;
-    frame.view.settings.codec = static_cast<uint32_t>(CodecSetting::vp9);
+    frame.view.settings.codec = static_cast<uint32_t>(codec);
     return frame;
 }
 
@@ -298,7 +299,7 @@ TEST(Viewer, AVideoIsForWhoDecodesItWhileTheViewChanges) {
     EXPECT_EQ(first.quality, 80);
     EXPECT_EQ(second.codec, FrameCodec::vp9);
     EXPECT_EQ(second.flags, FRAME_MOVING) << "it builds on the one before";
-    EXPECT_TRUE(seat.viewer.takeStats(1.0, {}).line.video);
+    EXPECT_EQ(seat.viewer.takeStats(1.0, {}).line.codec, FrameCodec::vp9);
     FinishedFrame last = videoFrameOf(size, 4);
     last.view.moving = false;
     EXPECT_EQ(taker.shown(last).codec, FrameCodec::vp9) << "more samples come";
@@ -310,6 +311,28 @@ TEST(Viewer, AVideoIsForWhoDecodesItWhileTheViewChanges) {
     still.view.settings.codec = static_cast<uint32_t>(CodecSetting::jpeg);
     EXPECT_EQ(taker.shown(still).codec, FrameCodec::jpeg);
     EXPECT_EQ(taker.shown(videoFrameOf(uvec2(32, 32), 8)).flags, FRAME_MOVING | FRAME_KEY) << "a new video";
+}
+
+TEST(Viewer, AVideoThatIsNotBuiltComesAsJpeg) {
+    Seat seat;
+    Taker taker{seat};
+    seat.viewer.setClient({true, false, true, true});
+    const uvec2 size(64, 48);
+    const FrameHeader first = taker.shown(videoFrameOf(size, 1, CodecSetting::h264));
+    if (!videoBuilt(VideoCodec::h264)) {
+        EXPECT_EQ(first.codec, FrameCodec::jpeg);
+        return;
+    }
+    EXPECT_EQ(first.codec, FrameCodec::h264);
+    EXPECT_EQ(first.flags, FRAME_MOVING | FRAME_KEY);
+    EXPECT_EQ(taker.shown(videoFrameOf(size, 2, CodecSetting::h264)).flags, FRAME_MOVING);
+    EXPECT_EQ(seat.viewer.takeStats(1.0, {}).line.codec, FrameCodec::h264);
+    const FrameHeader other = taker.shown(videoFrameOf(size, 3));
+    EXPECT_EQ(other.codec, FrameCodec::vp9);
+    EXPECT_EQ(other.flags, FRAME_MOVING | FRAME_KEY) << "another video begins";
+    EXPECT_EQ(taker.shown(videoFrameOf(size, 4, CodecSetting::h264)).flags, FRAME_MOVING | FRAME_KEY);
+    seat.viewer.setClient({true, false, true, false});
+    EXPECT_EQ(taker.shown(videoFrameOf(size, 5, CodecSetting::h264)).codec, FrameCodec::jpeg);
 }
 
 TEST(Viewer, AVideoThatCannotBeDecodedBeginsAnewOnce) {
@@ -361,6 +384,23 @@ TEST(Viewer, ASlowLineMakesAVideoOfJpegAndLosesNoQualityAtFirst) {
     EXPECT_EQ(header.codec, FrameCodec::vp9);
     EXPECT_EQ(header.quality, 80) << "what the ladder learnt was of JPEG";
     EXPECT_EQ(seat.viewer.coarser(), 0u);
+}
+
+TEST(Viewer, ASlowLineLowersTheQualityOfACodecThatWasAskedFor) {
+    for (const CodecSetting codec : {CodecSetting::jpeg, CodecSetting::vp9}) {
+        Seat seat;
+        seat.viewer.setClient({true, false, true});
+        seat.viewer.pinged(0.0);
+        Taker taker{seat};
+        FrameHeader header;
+        for (uint32_t i = 1; i < 60 && header.quality != qualityAt(2, 80); i++) {
+            header = taker.take(videoFrameOf(uvec2(64, 64), i, codec));
+            seat.write(FrameKind::frame);
+            std::this_thread::sleep_for(65ms);
+            seat.viewer.acknowledge({header.frameId, std::nullopt, 0.0});
+        }
+        EXPECT_EQ(header.quality, qualityAt(2, 80)) << "step by step, as nothing else can be chosen";
+    }
 }
 
 TEST(Viewer, WhatItsThreadIsAtCanBeNamed) {
