@@ -19,12 +19,14 @@ scene/load           base kernel scene images scene/build scene/generate
 request              base kernel scene
 film                 base kernel scene request
 device               base kernel scene request film
+denoise              base kernel scene request film shaders
 schedule             base kernel scene request film device
-render               base kernel scene request film device schedule
+render               base kernel scene request film device denoise schedule
 device/embree        base kernel scene request film device
 device/vulkan/core   base kernel
 device/vulkan/tree   base kernel scene device/vulkan/core
-device/vulkan/trace  base kernel scene request film device device/vulkan/core device/vulkan/tree shaders
+device/vulkan/denoise base kernel scene request film device denoise device/vulkan/core
+device/vulkan/trace  base kernel scene request film device denoise device/vulkan/core device/vulkan/denoise device/vulkan/tree shaders
 device/vulkan/raster base kernel scene request film device device/vulkan/core device/vulkan/trace
 device/vulkan/bench  base kernel scene request film device device/vulkan/core device/vulkan/tree device/vulkan/trace
 device/remote        base kernel scene request film device pool pool/wire
@@ -38,22 +40,22 @@ pool                 base kernel scene request film net/guard pool/wire
 pool/node            base kernel scene request film device schedule render pool pool/wire
 lab                  base kernel scene request film device schedule render
 lab/accuracy         base kernel scene images request film device schedule render encode lab pace
-lab/live             base kernel scene request film device schedule render lab lab/accuracy pace
+lab/live             base kernel scene request film device denoise schedule render encode lab lab/accuracy pace
 lab/view             base kernel scene request film device schedule render encode loop lab lab/accuracy
 lab/convergence      base kernel scene request film device render lab lab/accuracy
 pace                 base
-loop                 base kernel scene request film device schedule render pace
+loop                 base kernel scene request film device denoise schedule render pace
 viewer               base kernel scene scene/load request film device schedule render pace loop encode net net/guard
 stream               base kernel scene scene/load request film device schedule render pace loop net net/guard viewer lab/view
 operations           base kernel scene request film net net/guard net/listen viewer
 service              base kernel scene scene/load request film device schedule render loop encode net net/guard viewer stream operations
-app                  base kernel scene scene/load request film device schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool pool/wire pool/node lab lab/accuracy lab/convergence lab/live viewer stream operations service uploads
+app                  base kernel scene scene/load request film device denoise schedule render loop device/embree device/vulkan/trace device/vulkan/raster device/vulkan/bench device/remote images encode net net/guard net/listen pool pool/wire pool/node lab lab/accuracy lab/convergence lab/live viewer stream operations service uploads
 main             base app
 '
 # PREFIX-OF-HEADER FOLDERS-THAT-MAY-USE-IT...
 LIBRARIES='
 embree3/         device/embree device/vulkan/tree
-vulkan/          device/vulkan/core device/vulkan/tree device/vulkan/trace device/vulkan/raster device/vulkan/bench
+vulkan/          device/vulkan/core device/vulkan/denoise device/vulkan/tree device/vulkan/trace device/vulkan/raster device/vulkan/bench
 libwebsockets    net
 nats             pool
 turbojpeg.h      images encode
@@ -67,7 +69,7 @@ tiny_gltf.h      scene/load
 draco/           scene/load
 meshoptimizer.h  scene/load
 CLI/             app main
-tbb/             scene/build scene/light scene/generate scene/load render encode device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
+tbb/             scene/build scene/light scene/generate scene/load denoise render encode device/embree device/vulkan/tree device/vulkan/trace device/vulkan/raster
 toml++/          operations
 prometheus/      operations
 gtest/           tests

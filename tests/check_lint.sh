@@ -8,7 +8,7 @@ passed=0
 failed=0
 
 # The rooms without Embree, Vulkan and image libraries, whose headers take longer to read than our code.
-rooms=(base request film schedule render loop net viewer stream encode lab lab/accuracy lab/view pool pool/wire pool/node)
+rooms=(base request film denoise schedule render loop net viewer stream encode lab lab/accuracy lab/view pool pool/wire pool/node)
 
 mapfile -t formatted < <(git ls-files 'server/*.h' 'server/*.cpp' 'tests/*.h' 'tests/*.cpp' 2>/dev/null)
 [ ${#formatted[@]} -gt 0 ] || mapfile -t formatted < <(find server tests -name '*.h' -o -name '*.cpp')

@@ -61,6 +61,7 @@ public:
                           std::stop_token stop) override {
         return inner_->render(request, tiles, view, sink, stop);
     }
+    bool denoise(const Settings& settings, DenoiseJob& job) override { return inner_->denoise(settings, job); }
     DepthAnswer depthAlong(const ViewRay& ray) override { return inner_->depthAlong(ray); }
 
 private:

@@ -158,7 +158,8 @@ private:
         PassRenderer passes;
         PassFigures figures;
         ViewMemory view;
-        const auto denoised = denoiser_.run(passes, {*device_, result_.request, film_, view}, figures);
+        const auto denoised = denoiser_.run(passes, {*device_, result_.request, film_, view},
+                                            Film::WHITE * std::exp2(-result_.exposure), figures);
         if (!denoised) throw InputError("denoiser", "with raster previews", "off: they have no grain");
         pixels_ = *denoised;
         result_.ms.denoise = watch.milliseconds();

@@ -25,7 +25,7 @@ using glm::sqrt;
 
 struct DenoiseKernel {
 #include "shaders/kernel/math.glsl"
-#include "shaders/kernel/denoise.glsl"
+#include "shaders/denoise/filter.glsl"
 };
 
 }  // namespace heliograph::scalar_kernel

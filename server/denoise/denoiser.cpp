@@ -32,14 +32,16 @@ void forBands(uint32_t rows, const Work& work) {
 
 }  // namespace
 
-void DenoiseJob::take(const Film& film, const Film& guideFilm) {
+void DenoiseJob::take(const Film& film, const Film& guideFilm, float white) {
     size = film.resolution();
+    deviceSeconds = 0.0;
     light.resize(static_cast<size_t>(size.x) * size.y);
     guides.resize(light.size());
     const double edges = film.completedSamples() < 2 ? 0.0 : film.edgeShare();
     forBands(size.y, [&](uint32_t y) {
         const size_t first = static_cast<size_t>(y) * size.x;
         film.developWithVariance(y, y + 1, edges, &light[first]);
+        for (size_t i = first; i < first + size.x; i++) light[i] = glm::min(light[i], vec4(vec3(white), white * white));
         guideFilm.develop(y, y + 1, &guides[first]);
     });
 }

@@ -1,7 +1,7 @@
 #pragma once
 // A picture with less grain, for some sharpness: what few samples cannot tell is taken from neighbours that look at the same surface.
 // One more approximation, with a price and an error (docs/reference/accuracy.md); what it does is stated in
-// shaders/kernel/denoise.glsl.
+// shaders/denoise/filter.glsl.
 
 #include "server/denoise/filter_program.h"
 #include "server/film/film.h"
@@ -16,10 +16,12 @@ struct DenoiseJob {
     uvec2 size{0, 0};
     std::vector<vec4>
         light;  // linear radiance RGB, variance of its luminance in w or -1; filtered in place, w then means nothing
-    std::vector<vec4> guides;  // as a film has them, that was rendered with `guideRequest`
+    std::vector<vec4> guides;    // as a film has them, that was rendered with `guideRequest`
+    double deviceSeconds = 0.0;  // that a device's own clock told of the filter alone; 0: none did
 
-    /// `guides` has the film's size. Throws std::bad_alloc.
-    void take(const Film& film, const Film& guides);
+    /// `guides` has the film's size. What is brighter than `white` in a channel is taken as that: it is shown no brighter, and the few
+    /// pixels that mirror a lamp without extent, 10,000 times as bright, would be spots of 30 pixels. Throws std::bad_alloc.
+    void take(const Film& film, const Film& guides, float white);
 };
 
 /// The request for the guides of a picture: one sample of it is enough. `generation`: of the film that it is for.

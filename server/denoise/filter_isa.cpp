@@ -32,7 +32,7 @@ using ScalarFloat = float;
 
 struct Filter {
 #include "shaders/kernel/math.glsl"
-#include "shaders/kernel/denoise.glsl"
+#include "shaders/denoise/filter.glsl"
 };
 
 #undef float

@@ -1,5 +1,5 @@
 #pragma once
-// The filter of shaders/kernel/denoise.glsl on processors, row by row, as plain data: it is compiled for several instruction sets
+// The filter of shaders/denoise/filter.glsl on processors, row by row, as plain data: it is compiled for several instruction sets
 // and may share no inline code with the rest.
 
 #include "server/kernel/kernel_types.h"
@@ -22,7 +22,7 @@ enum class DenoisePlane {
     nearness,
     slopeX,  // of nearness, a pixel
     slopeY,
-    albedoWord,  // as the guides have them (shaders/kernel/guides.glsl)
+    albedoWord,  // as the guides have them (shaders/denoise/guides.glsl)
     normalWord,
     count
 };

@@ -4,6 +4,7 @@
 #include "server/request/surroundings.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace heliograph {
 
@@ -14,6 +15,7 @@ PictureJob::PictureJob(const PictureOrder& order, const ResidentScene& scene, Vi
     film_ = filmServes ? film.film() : film.extra(filmSize(view_));
     request_ = requestFor(scene, view_, film_->generation(), std::nullopt);
     autoExposure_ = film.autoExposure();
+    white_ = Film::WHITE * std::exp2(-(scene.scene->exposure + view_.settings.exposure + autoExposure_.value_or(0.0f)));
 }
 
 PictureState PictureJob::state() const { return samples() < target_ ? PictureState::unfinished : PictureState::finished; }
@@ -25,7 +27,7 @@ bool PictureJob::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_
 void PictureJob::denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop) {
     if (!DenoisePass::wanted(request_)) return;
     DenoisePass denoiser;
-    denoised_ = denoiser.run(passes, {renderer, request_, *film_, memory_, 0, std::move(stop)}, figures_);
+    denoised_ = denoiser.run(passes, {renderer, request_, *film_, memory_, 0, std::move(stop)}, white_, figures_);
 }
 
 FinishedFrame PictureJob::frame(const Scene& scene) const {

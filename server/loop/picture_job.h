@@ -29,6 +29,7 @@ private:
     ViewMemory memory_;
     PassFigures figures_;
     std::shared_ptr<const std::vector<vec4>> denoised_;
+    double white_ = Film::WHITE;  // radiance that is shown white
     std::optional<float> autoExposure_;  // the view's
 };
 

@@ -43,7 +43,8 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
         film_ = films_.next(filmSize(request), ++generation_);
         request_ = requestFor(scene, request, generation_, before);
         const float exposure = scene.scene->exposure + request.settings.exposure + autoExposure_.value_or(0.0f);
-        film_->setWhite(Film::WHITE * std::exp2(-exposure));
+        white_ = Film::WHITE * std::exp2(-exposure);
+        film_->setWhite(white_);
         samples_ = least_ = deliveredSamples_ = 0;
         errors_.clear();
         plan_.forget();
@@ -78,7 +79,8 @@ bool ViewFilm::denoise(PassRenderer& passes, Renderer& renderer, std::stop_token
     FrameRequest request = request_;
     request.settings.denoiser = denoiserOf_ = view_->settings.denoiser;
     denoisedSamples_ = samples_;
-    denoised_ = denoiser_.run(passes, {renderer, request, *film_, memory_, 0, std::move(stop), {}, urgency()}, figures_);
+    denoised_ =
+        denoiser_.run(passes, {renderer, request, *film_, memory_, 0, std::move(stop), {}, urgency()}, white_, figures_);
     return denoised_ != nullptr;
 }
 

@@ -84,6 +84,7 @@ private:
     double edgeShare_ = 0.0;          // at the last of them
     ViewMemory memory_;
     DenoisePass denoiser_;
+    double white_ = Film::WHITE;  // radiance that is shown white
     std::shared_ptr<const std::vector<vec4>> denoised_;  // of denoisedSamples_ of the film
     uint32_t denoisedSamples_ = 0;
     uint32_t denoiserOf_ = 0;  // the setting by which it was made

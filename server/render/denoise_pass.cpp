@@ -16,14 +16,16 @@ bool DenoisePass::wanted(const FrameRequest& request) {
     return true;
 }
 
-std::shared_ptr<const std::vector<vec4>> DenoisePass::run(PassRenderer& passes, const Pass& picture, PassFigures& figures) {
+std::shared_ptr<const std::vector<vec4>> DenoisePass::run(PassRenderer& passes, const Pass& picture, double white,
+                                                          PassFigures& figures) {
     took_ = {};
     try {
         if (!renderGuides(passes, picture, figures)) return nullptr;
         const StopWatch watch;
-        job_.take(picture.film, guides_);
+        job_.take(picture.film, guides_, static_cast<float>(white));
         filter(picture);
         took_.filterMs = watch.milliseconds();
+        took_.deviceMs = 1e3 * job_.deviceSeconds;
         if (!shown_ || shown_.use_count() > 1) shown_ = std::make_shared<std::vector<vec4>>();
         shown_->swap(job_.light);
         return shown_;

@@ -24,9 +24,7 @@ public:
     virtual ScheduleReport render(const FrameRequest& request, std::span<const Tile> tiles, ViewMemory& view,
                                   const TileSink& sink, std::stop_token stop) = 0;
     /// As Device::denoise, by the device that renders under these settings, if it is one alone. False: nobody did it.
-    virtual bool denoise(const Settings& settings, DenoiseJob& job) {
-        return static_cast<void>(settings), static_cast<void>(job), false;
-    }
+    virtual bool denoise(const Settings& settings, DenoiseJob& job) = 0;
     /// As Device::depthAlong.
     virtual DepthAnswer depthAlong(const ViewRay& ray) = 0;
 };

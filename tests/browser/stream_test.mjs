@@ -22,7 +22,8 @@ const exact = (page) =>
 async function set(page, name, value) {
   await unfoldFor(page, name);
   const field = page.locator(`[data-setting="${name}"]`);
-  if (typeof value === 'boolean') await field.locator('input[type=checkbox]').setChecked(value, { force: true });
+  if (typeof value === 'string') await field.locator('select').selectOption({ label: value }, { force: true });
+  else if (typeof value === 'boolean') await field.locator('input[type=checkbox]').setChecked(value, { force: true });
   else {
     await field.locator('.number-field').fill(String(value));
     await field.locator('.number-field').press('Enter');
@@ -57,6 +58,27 @@ async function exactChecks(checks, page) {
     expect(different > pixels / 100, `${different} of ${pixels} pixels differ: what would the test see?`);
     await set(page, 'exactAtRest', true);
     await exact(page);
+  });
+  await checks.check('a denoised picture says so, and is the server\u2019s all the same', async () => {
+    await set(page, 'denoiser', 'filter');
+    await until('a denoised picture', 30_000, async () => {
+      const { lastFrame } = await stateOf(page);
+      return lastFrame.denoised && lastFrame.exact;
+    });
+    await page.locator('.limit').getByText('Denoised').waitFor({ timeout: 20_000 });
+    const { different, pixels } = await compared(page, await savedPicture(page));
+    expect(different === 0, `${different} of ${pixels} pixels differ`);
+    await page.screenshot({ path: join(outFolder, 'badge-denoised.png') });
+    await set(page, 'denoiser', 'off');
+    await exact(page);
+    await page.locator('.limit').getByText('Exact').waitFor({ timeout: 20_000 });
+    expect(!(await stateOf(page)).lastFrame.denoised, 'it is still denoised');
+  });
+  await checks.check('a denoiser that the server has not is told of, and the picture stays', async () => {
+    await set(page, 'denoiser', 'oidn');
+    await page.getByText('Open Image Denoise is not on this machine').first().waitFor({ timeout: 20_000 });
+    await exact(page);
+    await set(page, 'denoiser', 'off');
   });
   await checks.check('the trace holds each step of a frame', async () => {
     await drag(page, 10);

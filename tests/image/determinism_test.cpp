@@ -192,12 +192,14 @@ void expectSameFromAllPrograms(const std::shared_ptr<const Scene>& scene, const 
 }
 
 TEST(InstructionSets, AnEffectWithoutCodeIsRefused) {
-    const TileProgramRow rows[] = {{EFFECT_SHADOWS, nullptr}, {~EFFECT_ALPHA_MASK, nullptr}};
-    const TileProgramTable table{"test", rows, 2, EFFECT_TEXTURES};
+    const TileProgramRow rows[] = {
+        {EFFECT_SHADOWS, nullptr}, {~(EFFECT_ALPHA_MASK | EFFECT_GUIDES), nullptr}, {GUIDE_EFFECTS, nullptr}};
+    const TileProgramTable table{"test", rows, 3, EFFECT_TEXTURES};
     EXPECT_EQ(chooseTileProgram(table, EFFECT_SHADOWS), 0u);
     EXPECT_EQ(chooseTileProgram(table, EFFECT_REFLECTIONS), 1u);
     EXPECT_THROW(chooseTileProgram(table, EFFECT_SHADOWS | EFFECT_TEXTURES), std::runtime_error);
     EXPECT_THROW(chooseTileProgram(table, EFFECT_ALPHA_MASK), std::runtime_error);
+    EXPECT_EQ(chooseTileProgram(table, EFFECT_GUIDES), 2u);
     EXPECT_EQ(tileProgramTable().leftOut, 0u) << "this build measures something and is not for use";
 }
 

@@ -225,5 +225,51 @@ TEST(AlphaMask, HolesLetTheSunThrough) {
     }
 }
 
+// Cut-outs read the finest texels however far they are: a sample sees all or nothing, and only the mean of many is their coverage.
+TEST(AlphaMask, FineHolesAreTheirCoverageInTheMeanAlone) {
+    SceneBuilder builder = darkness();
+    ImageData image;
+    image.width = image.height = 128;
+    for (uint32_t i = 0; i < 128 * 128; i++)
+        image.rgba8.insert(image.rgba8.end(), {255, 255, 255, uint8_t((i + i / 128) % 2 ? 0 : 255)});
+    TextureSlot slot = SceneBuilder::defaultTexture(builder.addImage(image));
+    slot.nearest = 1;
+    Material m = glow(vec3(2.0f));
+    m.flags |= MATERIAL_ALPHA_MASK;
+    m.baseTexture = builder.addTexture(slot);
+    place(builder, sheet(3.0f, builder.addMaterial(m, "fence")));
+    const auto scene = builder.finish();
+    const Camera camera = lookAt(vec3(0, 10, 0), vec3(0.0f), 40.0f);  // 41 pixels across the sheet, three texels each
+    const auto worst = [&](uint32_t samples) {
+        const Picture picture = render(scene, camera, {}, samples, uvec2(51, 51));
+        double sum = 0.0;
+        for (uint32_t y = 10; y < 41; y++)
+            for (uint32_t x = 10; x < 41; x++) sum += std::pow(double(picture.at(x, y).x) / 2.0 - 0.5, 2.0);
+        return std::sqrt(sum / (31 * 31));
+    };
+    EXPECT_NEAR(worst(1), 0.5, 0.01) << "sqrt(c (1 - c)) of a coverage c of a half";
+    EXPECT_LT(worst(256), 0.05);
+}
+
+// Shadow rays go straight through glass: what a ball gathers into a spot is spread over its shadow.
+TEST(TransparentShadow, ABallsCausticIsSpreadOverItsShadow) {
+    SceneBuilder builder = darkness();
+    place(builder, ground(50.0f, builder.addMaterial(paint(vec3(0.8f)), "floor")));
+    MeshData body = icosphere(5, builder.addMaterial(glass(1.5f), "ball"));
+    for (vec3& p : body.positions) p = p * 0.5f + vec3(0, 0.8f, 0);
+    place(builder, body);
+    place(builder, panel(vec3(-0.5f, 5, -0.5f), vec3(1, 0, 0), vec3(0, 0, 1), builder.addMaterial(glow(vec3(40.0f)), "lamp")));
+    const auto scene = builder.finish();
+    const Camera camera = lookAt(vec3(3, 1.2f, 0), vec3(0.0f), 14.0f);
+    Settings settings;
+    settings.maxRefractions = 8;
+    const auto spotOf = [&](const char* integrator, uint32_t samples) {
+        settings.integrator = Settings::choice("integrator", "path") * (std::string_view(integrator) == "path");
+        return double(render(scene, camera, settings, samples, uvec2(33, 33)).centre().x);
+    };
+    const double shown = spotOf("interactive", 64), exact = spotOf("path", 4096);
+    EXPECT_NEAR(exact / shown, 21.0, 3.0) << exact << " for " << shown;
+}
+
 }  // namespace
 }  // namespace heliograph::TEST_FILE

@@ -48,6 +48,7 @@ public:
         }
         return report;
     }
+    bool denoise(const Settings&, DenoiseJob& job) override { return device_.denoise(job); }
     DepthAnswer depthAlong(const ViewRay& ray) override { return device_.depthAlong(ray); }
 
 private:

@@ -58,6 +58,7 @@ test('parseFrame: reads every field', () => {
     moving: true,
     final: false,
     errorReached: false,
+    denoised: false,
     path: true,
     key: false,
     exact: false,

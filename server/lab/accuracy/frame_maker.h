@@ -22,16 +22,16 @@ public:
     virtual FrameStats frame(const FrameRequest& request, uint32_t samples, Film& film) = 0;
     /// Sums of radiance over `count` samples from number `first` on, in a picture's order.
     virtual std::vector<glm::dvec3> samples(const FrameRequest& request, uint32_t first, uint32_t count) = 0;
-    /// What is shown of the film that `frame` has just made of this request: denoised, where its settings say so. Returns the
-    /// milliseconds that that took.
-    double picture(const FrameRequest& request, Film& film, std::vector<vec4>& pixels);
+    /// What is shown of the film that `frame` has just made of this request: denoised, where its settings say so; `white`
+    /// as for DenoisePass. Returns the milliseconds that that took.
+    double picture(const FrameRequest& request, Film& film, double white, std::vector<vec4>& pixels);
     /// Seconds of work so far, which budgets are of. Only differences mean something.
     virtual double seconds() const = 0;
 
 protected:
     /// DenoisePass::run with what renders here; null without a picture.
-    virtual std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request,
-                                                              Film& film) = 0;
+    virtual std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film,
+                                                              double white) = 0;
 
 private:
     DenoisePass denoiser_;
@@ -52,7 +52,8 @@ public:
     double seconds() const override { return wallSeconds(); }
 
 protected:
-    std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film) override;
+    std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film,
+                                                      double white) override;
 
 private:
     Renderer& renderer_;

@@ -185,7 +185,7 @@ double AccuracySweep::frame(const Settings& settings, size_t view, Timing& timin
     timing.rays.add(stats.rays);
     picture.resolution = film_.resolution();
     const double before = processCpuSeconds();
-    const double denoiseMs = frames_.picture(asked, film_, picture.pixels);
+    const double denoiseMs = frames_.picture(asked, film_, static_cast<double>(ceiling()), picture.pixels);
     if (denoiseMs > 0.0) coreMs += 1e3 * (processCpuSeconds() - before);
     return stats.milliseconds + denoiseMs;
 }

@@ -1,10 +1,10 @@
 #include "server/lab/live/denoise_check.h"
 
 #include "server/base/clock.h"
-#include "server/denoise/denoiser.h"
 #include "server/encode/tone_map.h"
 #include "server/lab/accuracy/reference.h"
 #include "server/lab/effect_bench.h"
+#include "server/render/denoise_pass.h"
 #include "server/render/frame_renderer.h"
 
 #include <cmath>
@@ -39,24 +39,27 @@ public:
     DenoiseRow row(uint32_t samples) {
         DenoiseRow row;
         row.samples = samples;
-        std::vector<double> frame, guides, filter;
+        std::vector<double> frame, guides, filter, device;
+        std::shared_ptr<const std::vector<vec4>> filtered;
         for (uint32_t i = 0; i <= bounds_.repetitions; i++) {  // the first one warms up
             FrameRequest request = request_;
+            request.settings.denoiser = static_cast<uint32_t>(DenoiserSetting::filter);
             request.generation = ++generation_;
             const double frameMs = renderFrame(renderer_, request, samples, film_).milliseconds;
-            const double guidesMs = renderFrame(renderer_, guideRequest(request, ++generation_), 1, guideFilm_).milliseconds;
-            const StopWatch watch;
-            job_.take(film_, guideFilm_);
-            denoiser_.run(job_);
-            const double filterMs = watch.milliseconds();
+            ViewMemory view;
+            PassFigures figures;
+            filtered = denoiser_.run(passes_, {renderer_, request, film_, view}, static_cast<double>(ceiling_), figures);
+            if (!filtered) throw std::runtime_error("pictures of this device are not filtered");
             if (i == 0) continue;
-            frame.push_back(frameMs), guides.push_back(guidesMs), filter.push_back(filterMs);
+            frame.push_back(frameMs), guides.push_back(denoiser_.took().guidesMs), filter.push_back(denoiser_.took().filterMs);
+            device.push_back(denoiser_.took().deviceMs);
         }
-        row.frameMs = median(frame), row.guidesMs = median(guides), row.filterMs = median(filter);
+        row.frameMs = median(frame), row.guidesMs = median(guides), row.filterMs = median(filter),
+        row.deviceMs = median(device);
         LinearPicture picture{request_.resolution, {}};
         film_.develop(picture.pixels);
         judge(picture, row.before, row.shownBefore);
-        picture.pixels = job_.light;
+        picture.pixels = *filtered;
         judge(picture, row.after, row.shownAfter);
         return row;
     }
@@ -79,9 +82,9 @@ private:
     const float ceiling_;
     LinearPicture truth_;
     DisplayImage shownTruth_;
-    Film film_, guideFilm_;
-    DenoiseJob job_;
-    ProcessorDenoiser denoiser_;
+    Film film_;
+    PassRenderer passes_;
+    DenoisePass denoiser_;
     uint32_t generation_ = 0;
 };
 
@@ -110,10 +113,11 @@ nlohmann::ordered_json toJson(const std::vector<DenoisedView>& views) {
     for (const DenoisedView& view : views) {
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         for (const DenoiseRow& row : view.rows) {
-            rows.push_back({{"samples", row.samples},
-                            {"ms", {{"frame", row.frameMs}, {"guides", row.guidesMs}, {"filter", row.filterMs}}},
-                            {"before", toJson(row.before, row.shownBefore)},
-                            {"after", toJson(row.after, row.shownAfter)}});
+            rows.push_back(
+                {{"samples", row.samples},
+                 {"ms", {{"frame", row.frameMs}, {"guides", row.guidesMs}, {"filter", row.filterMs}, {"device", row.deviceMs}}},
+                 {"before", toJson(row.before, row.shownBefore)},
+                 {"after", toJson(row.after, row.shownAfter)}});
         }
         all.push_back({{"scene", view.scene},
                        {"view", view.view},
@@ -131,10 +135,13 @@ std::string toTable(const std::vector<DenoisedView>& views) {
         std::snprintf(line, sizeof line, "%s, %s on %s, reference's own error %.2f %%\n", view.scene.c_str(), view.view.c_str(),
                       view.device.c_str(), 1e2 * view.referenceError);
         text += line;
-        text += "samples   frame ms  guides ms  filter ms     error      after   PSNR dB  after    FLIP   after  ratio\n";
+        text +=
+            "samples   frame ms  guides ms  filter ms  device ms     error      after   PSNR dB  after    FLIP   after  "
+            "ratio\n";
         for (const DenoiseRow& row : view.rows) {
-            std::snprintf(line, sizeof line, "%7u %10.1f %10.1f %10.1f  %7.2f %%  %7.2f %%   %6.1f %6.1f   %.4f  %.4f  %.3f\n",
-                          row.samples, row.frameMs, row.guidesMs, row.filterMs, 1e2 * row.before.rmse, 1e2 * row.after.rmse,
+            std::snprintf(line, sizeof line,
+                          "%7u %10.1f %10.1f %10.1f %10.2f  %7.2f %%  %7.2f %%   %6.1f %6.1f   %.4f  %.4f  %.3f\n", row.samples,
+                          row.frameMs, row.guidesMs, row.filterMs, row.deviceMs, 1e2 * row.before.rmse, 1e2 * row.after.rmse,
                           row.shownBefore.psnrDb, row.shownAfter.psnrDb, row.shownBefore.flip, row.shownAfter.flip,
                           row.shownAfter.flip / row.shownBefore.flip);
             text += line;

@@ -16,7 +16,8 @@ struct DenoiseRow {
     uint32_t samples = 0;
     double frameMs = 0.0;   // of the picture's samples
     double guidesMs = 0.0;  // of its guides, once a view
-    double filterMs = 0.0;  // with the way in and out; medians, all of them
+    double filterMs = 0.0;  // with the way in and out
+    double deviceMs = 0.0;  // of it on a device, by its own clock; 0: none has filtered. Medians, all of them
     LinearError before, after;
     DisplayError shownBefore, shownAfter;
 };
@@ -37,7 +38,7 @@ struct DenoiseBounds {
 DenoisedView checkDenoise(Renderer& renderer, const Scene& scene, const FrameRequest& request, const DenoiseBounds& bounds,
                           const Progress& progress);
 
-/// {views: [{scene, view, device, reference_error, rows: [{samples, ms: {frame, guides, filter}, before, after: {rmse, bias, psnr_db,
+/// {views: [{scene, view, device, reference_error, rows: [{samples, ms: {frame, guides, filter, device}, before, after: {rmse, bias, psnr_db,
 /// p99, flip}}]}]}
 nlohmann::ordered_json toJson(const std::vector<DenoisedView>& views);
 std::string toTable(const std::vector<DenoisedView>& views);

@@ -27,6 +27,7 @@ public:
         };
         return inner_.render(request, shifted, view, back, std::move(stop));
     }
+    bool denoise(const Settings& settings, DenoiseJob& job) override { return inner_.denoise(settings, job); }
     DepthAnswer depthAlong(const ViewRay& ray) override { return inner_.depthAlong(ray); }
 
 private:
@@ -61,11 +62,12 @@ std::vector<glm::dvec3> TurnFrames::samples(const FrameRequest& request, uint32_
     return sums;
 }
 
-std::shared_ptr<const std::vector<vec4>> TurnFrames::denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film) {
+std::shared_ptr<const std::vector<vec4>> TurnFrames::denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film,
+                                                              double white) {
     const double own = threadCpuSeconds();
     PassFigures figures;
     ViewMemory view;
-    const auto filtered = denoiser.run(passes_, {renderer_, request, film, view, 0, stop_}, figures);
+    const auto filtered = denoiser.run(passes_, {renderer_, request, film, view, 0, stop_}, white, figures);
     throwIfStopped();
     deviceSeconds_ += 1e-3 * (denoiser.took().guidesMs + denoiser.took().filterMs);
     ownSeconds_ += threadCpuSeconds() - own;

@@ -30,7 +30,8 @@ public:
     }
 
 protected:
-    std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film) override;
+    std::shared_ptr<const std::vector<vec4>> denoised(DenoisePass& denoiser, const FrameRequest& request, Film& film,
+                                                      double white) override;
 
 private:
     FrameStats render(Renderer& renderer, const FrameRequest& request, uint32_t samples, Film& film);

@@ -46,7 +46,7 @@ TEST(DenoisePass, AsksForGuidesOnceAFilm) {
         renderFrame(renderer, request, 2, film);
         const size_t before = device.requests.size();
         for (int i = 0; i < 2; i++) {
-            const auto pixels = denoiser.run(passes, {renderer, request, film, view}, figures);
+            const auto pixels = denoiser.run(passes, {renderer, request, film, view}, Film::WHITE, figures);
             ASSERT_TRUE(pixels);
             EXPECT_EQ(pixels->size(), SIZE.x * SIZE.y);
         }
@@ -57,7 +57,24 @@ TEST(DenoisePass, AsksForGuidesOnceAFilm) {
     EXPECT_EQ(figures.passes, 0u) << "guides are no samples";
     denoiser.forget();
     FrameRequest request = requestOf(Settings::choice("denoiser", "filter"), 2);
-    EXPECT_TRUE(denoiser.run(passes, {renderer, request, film, view}, figures)) << "and again after it has let go of all";
+    EXPECT_TRUE(denoiser.run(passes, {renderer, request, film, view}, Film::WHITE, figures))
+        << "and again after it has let go of all";
+}
+
+// A lamp in a mirror, met by one sample of many.
+TEST(DenoiseJob, WhatIsShownWhiteIsNoBrighterThanThat) {
+    Film film, guides;
+    for (Film* one : {&film, &guides}) one->reset(uvec2(8, 8), 1);
+    TileResult result;
+    result.tile = {uvec2(0), uvec2(8, 8), 0, 1, 1};
+    result.radianceSum.assign(64, vec4(0.5f, 0.5f, 0.5f, 0.25f));
+    ASSERT_TRUE(guides.add(result));
+    result.radianceSum[9] = vec4(1e4f, 2e4f, 0.25f, 4e8f);
+    ASSERT_TRUE(film.add(result));
+    DenoiseJob job;
+    job.take(film, guides, 8.0f);
+    EXPECT_EQ(job.light[9], vec4(8.0f, 8.0f, 0.25f, -1.0f));
+    EXPECT_EQ(job.light[8], vec4(0.5f, 0.5f, 0.5f, -1.0f));
 }
 
 TEST(DenoisePass, GivesUpWhenItIsStopped) {
@@ -73,7 +90,7 @@ TEST(DenoisePass, GivesUpWhenItIsStopped) {
     std::stop_source stop;
     stop.request_stop();
     DenoisePass denoiser;
-    EXPECT_FALSE(denoiser.run(passes, {renderer, request, film, view, 0, stop.get_token()}, figures));
+    EXPECT_FALSE(denoiser.run(passes, {renderer, request, film, view, 0, stop.get_token()}, Film::WHITE, figures));
 }
 
 }  // namespace

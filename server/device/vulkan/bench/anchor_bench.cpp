@@ -2,7 +2,7 @@
 
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/vulkan_handle.h"
-#include "server/device/vulkan/bench/timed_run.h"
+#include "server/device/vulkan/core/timed_run.h"
 
 #include <cstring>
 

@@ -1,7 +1,7 @@
 #include "server/device/vulkan/bench/ray_bench.h"
 
 #include "server/device/vulkan/core/shader_code.h"
-#include "server/device/vulkan/bench/timed_run.h"
+#include "server/device/vulkan/core/timed_run.h"
 
 #include <cstring>
 

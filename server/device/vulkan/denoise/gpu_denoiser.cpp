@@ -1,7 +1,6 @@
 #include "server/device/vulkan/denoise/gpu_denoiser.h"
 
 #include "server/denoise/denoise_kernel.h"
-#include "server/device/vulkan/bench/timed_run.h"
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/spirv_exact.h"
 
@@ -60,6 +59,10 @@ OwnedPipeline denoisePipeline(Gpu& gpu, VkShaderModule module, VkPipelineLayout 
 
 GpuDenoiser::GpuDenoiser(Gpu& gpu) : gpu_(gpu) {
     layOut();
+    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = 2;
+    check(vkCreateQueryPool(gpu.handle(), &info, nullptr, queries_.put(gpu.handle())), "make timestamps");
     const OwnedShaderModule module = denoiseModule(gpu);
     for (uint32_t stage = 0; stage < STAGES; stage++)
         pipelines_[stage] = denoisePipeline(gpu, module.get(), layout_.get(), stage);
@@ -133,12 +136,15 @@ void GpuDenoiser::dispatch(VkCommandBuffer commands, uint32_t stage, int reach, 
 }
 
 void GpuDenoiser::record(VkCommandBuffer commands) const {
+    vkCmdResetQueryPool(commands, queries_.get(), 0, 2);
+    vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, queries_.get(), 0);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set_, 0, nullptr);
     dispatch(commands, prepareStage, 0, 0);
     dispatch(commands, estimateStage, 0, 0);
     for (uint32_t round = 0; round < scalar_kernel::DenoiseKernel::DENOISE_ROUNDS; round++)
         dispatch(commands, filterStage, 1 << round, round % 2);
     dispatch(commands, finishStage, 0, 0);
+    vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_.get(), 1);
 }
 
 void GpuDenoiser::run(DenoiseJob& job) {
@@ -148,11 +154,10 @@ void GpuDenoiser::run(DenoiseJob& job) {
     std::memcpy(buffers_[guides].data(), job.guides.data(), job.guides.size() * sizeof(vec4));
     gpu_.runNow([&](VkCommandBuffer commands) { record(commands); });
     std::memcpy(job.light.data(), buffers_[result].data(), job.light.size() * sizeof(vec4));
-}
-
-std::vector<double> GpuDenoiser::timed(uint32_t repetitions, double warmUpSeconds) {
-    return timedRuns(
-        gpu_, [&](VkCommandBuffer commands) { record(commands); }, repetitions, warmUpSeconds);
+    uint64_t stamps[2];
+    check(vkGetQueryPoolResults(gpu_.handle(), queries_.get(), 0, 2, sizeof stamps, stamps, 8, VK_QUERY_RESULT_64_BIT),
+          "read timestamps");
+    job.deviceSeconds = static_cast<double>(stamps[1] - stamps[0]) * static_cast<double>(gpu_.limits().timestampPeriod) * 1e-9;
 }
 
 }  // namespace heliograph

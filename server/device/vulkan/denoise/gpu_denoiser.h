@@ -1,5 +1,5 @@
 #pragma once
-// The denoiser as a compute shader (shaders/vulkan/denoise.comp).
+// The denoiser as a compute shader (shaders/denoise/denoise.comp).
 
 #include "server/denoise/denoiser.h"
 #include "server/device/vulkan/core/gpu.h"
@@ -16,8 +16,6 @@ public:
     /// Filters the job in place, with the bits of ProcessorDenoiser where the device rounds as processors do. Throws VulkanError.
     /// While it runs nobody else may use the Gpu's commands or queue.
     void run(DenoiseJob& job);
-    /// The stages alone, on what `run` has left on the device: seconds by the device's clock.
-    std::vector<double> timed(uint32_t repetitions, double warmUpSeconds);
 
 private:
     static constexpr uint32_t STAGES = 4, BUFFERS = 8;  // as in the shader
@@ -31,6 +29,7 @@ private:
     OwnedPipelineLayout layout_;
     OwnedDescriptorPool pool_;
     std::array<OwnedPipeline, STAGES> pipelines_;
+    OwnedQueryPool queries_;  // begin and end
     VkDescriptorSet set_ = VK_NULL_HANDLE;
     std::array<GpuBuffer, BUFFERS> buffers_;
     uvec2 size_{0, 0};

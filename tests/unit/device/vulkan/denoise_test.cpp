@@ -27,7 +27,7 @@ DenoiseJob jobOf(Device& device, const std::shared_ptr<const Scene>& scene) {
     renderFrame(device, request, 1, film);
     renderFrame(device, guideRequest(request, 2), 1, guides);
     DenoiseJob job;
-    job.take(film, guides);
+    job.take(film, guides, 8.0f);
     return job;
 }
 

@@ -2,7 +2,7 @@
 
 #include "tests/unit/device/vulkan/vulkan_faults.h"
 
-#include "server/device/vulkan/bench/timed_run.h"
+#include "server/device/vulkan/core/timed_run.h"
 #include "server/device/vulkan/raster/raster_device.h"
 #include "server/device/vulkan/raster/raster_pipelines.h"
 #include "server/device/vulkan/raster/raster_target.h"

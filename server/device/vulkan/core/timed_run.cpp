@@ -1,4 +1,4 @@
-#include "server/device/vulkan/bench/timed_run.h"
+#include "server/device/vulkan/core/timed_run.h"
 
 #include "server/device/vulkan/core/vulkan_handle.h"
 

@@ -1,5 +1,5 @@
 // The edge-avoiding filter, as what one pixel does with one neighbour; drivers walk over the picture (server/denoise on
-// processors, vulkan/denoise.comp on GPUs). An a-trous wavelet of light without the surfaces' colour, in rounds whose neighbours
+// processors, denoise/denoise.comp on GPUs). An a-trous wavelet of light without the surfaces' colour, in rounds whose neighbours
 // lie twice as far apart each time: Dammertz et al., "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination
 // Filtering" (2010). Where it stops is told by normal, distance and the noise of the light, with the variance filtered along:
 // Schied et al., "Spatiotemporal Variance-Guided Filtering" (2017), without its history.

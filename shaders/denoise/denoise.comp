@@ -9,7 +9,7 @@ layout(constant_id = 0) const uint STAGE = 0u;
 #include "kernel/compat.glsl"
 #include "kernel/types.glsl"
 #include "kernel/math.glsl"
-#include "kernel/denoise.glsl"
+#include "shaders/denoise/filter.glsl"
 
 const uint STAGE_PREPARE = 0u;
 const uint STAGE_ESTIMATE = 1u;
