@@ -63,11 +63,12 @@ private:
 };
 
 // Makes the others rays without length: where a processor has no packets of 16, Embree takes all that have one, whatever the mask
-// says, and ends the process over those that are not valid.
+// says, and ends the process over those that are not valid. Where they begin stays: who fills the lane next time sets no more than
+// where the ray goes.
 void silenceOthers(RTCRay16& rays, const ValidMask& valid) {
     for (uint32_t i = 0; i < PACKET; i++) {
         if (valid[i]) continue;
-        rays.org_x[i] = rays.org_y[i] = rays.org_z[i] = rays.dir_x[i] = rays.dir_y[i] = rays.tnear[i] = 0.0f;
+        rays.org_x[i] = rays.org_y[i] = rays.org_z[i] = rays.dir_x[i] = rays.dir_y[i] = 0.0f;
         rays.dir_z[i] = 1.0f;
         rays.tfar[i] = -1.0f;
     }
