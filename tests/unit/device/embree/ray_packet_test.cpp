@@ -83,6 +83,23 @@ TEST_P(RayPacket, ASurfaceInTheOriginIsNotMet) {
         EXPECT_EQ(packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID, i % 2 == 1) << "outwards nothing, inwards the other wall";
 }
 
+// As the tile driver fills a packet: origins, directions and ends alone. Lanes that were left out before begin where all do.
+TEST_P(RayPacket, ALaneThatWasLeftOutBeginsWhereAllDo) {
+    RTCRayHit16 packet;
+    for (uint32_t i = 0; i < PACKET; i++)
+        setRay(packet.ray, i, vec3(0.25f, 0.125f, -1.0f), vec3(0.0f, 0.0f, -1.0f), Ray{}.tMax);
+    traceClosest(scene_->target(), packet, 3, {GetParam(), false});
+    uint32_t passed = 0;
+    traceOccluded(scene_->target(), packet.ray, 2, {GetParam(), false}, passed);
+    for (uint32_t i = 0; i < PACKET; i++) {
+        packet.ray.org_x[i] = 0.25f, packet.ray.org_y[i] = 0.125f, packet.ray.org_z[i] = -1.0f;
+        packet.ray.dir_x[i] = packet.ray.dir_y[i] = 0.0f, packet.ray.dir_z[i] = -1.0f;
+        packet.ray.tfar[i] = Ray{}.tMax;
+    }
+    traceClosest(scene_->target(), packet, PACKET, {GetParam(), false});
+    for (uint32_t i = 0; i < PACKET; i++) EXPECT_EQ(packet.hit.geomID[i], RTC_INVALID_GEOMETRY_ID) << i;
+}
+
 INSTANTIATE_TEST_SUITE_P(Widths, RayPacket, ::testing::Values(1u, 4u, 8u, 16u));
 
 }  // namespace
