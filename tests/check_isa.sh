@@ -34,6 +34,7 @@ judgeCode() {
 # Reads `nm --defined-only` of the object of lanes_$1: functions that other objects can see.
 judgeSymbols() {
     awk -v own="10heliograph8lanes_$1" '
+    $2 == "t" { functions++ }  # of the file alone
     $2 ~ /^[TWuVi]$/ {
         functions++
         if (index($3, own) || $3 ~ /^(_ZTI|_ZTS|_ZTV|DW\.ref)/) next  # tables hold no code

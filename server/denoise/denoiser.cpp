@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <mutex>
 
 namespace heliograph {
 
@@ -35,15 +36,28 @@ void forBands(uint32_t rows, const Work& work) {
 void DenoiseJob::take(const Film& film, const Film& guideFilm, float white) {
     size = film.resolution();
     deviceSeconds = 0.0;
+    aboveWhite_.clear();
+    std::mutex mutex;  // of what is above white: few pixels
     light.resize(static_cast<size_t>(size.x) * size.y);
     guides.resize(light.size());
     const double edges = film.completedSamples() < 2 ? 0.0 : film.edgeShare();
     forBands(size.y, [&](uint32_t y) {
         const size_t first = static_cast<size_t>(y) * size.x;
         film.developWithVariance(y, y + 1, edges, &light[first]);
-        for (size_t i = first; i < first + size.x; i++) light[i] = glm::min(light[i], vec4(vec3(white), white * white));
+        for (size_t i = first; i < first + size.x; i++) {
+            const vec3 above = glm::max(vec3(light[i]) - white, vec3(0.0f));
+            if (above == vec3(0.0f)) continue;
+            light[i] -= vec4(above, 0.0f);
+            light[i].w = std::min(light[i].w, white * white);
+            std::lock_guard lock(mutex);
+            aboveWhite_.emplace_back(i, above);
+        }
         guideFilm.develop(y, y + 1, &guides[first]);
     });
+}
+
+void DenoiseJob::giveBack() {
+    for (const auto& [pixel, above] : aboveWhite_) light[pixel] += vec4(above, 0.0f);
 }
 
 FrameRequest guideRequest(const FrameRequest& picture, uint32_t generation) {

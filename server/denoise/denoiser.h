@@ -19,9 +19,15 @@ struct DenoiseJob {
     std::vector<vec4> guides;    // as a film has them, that was rendered with `guideRequest`
     double deviceSeconds = 0.0;  // that a device's own clock told of the filter alone; 0: none did
 
-    /// `guides` has the film's size. What is brighter than `white` in a channel is taken as that: it is shown no brighter, and the few
-    /// pixels that mirror a lamp without extent, 10,000 times as bright, would be spots of 30 pixels. Throws std::bad_alloc.
+    /// `guides` has the film's size. What is brighter than `white` in a channel is filtered as that, and keeps the rest for itself
+    /// (`giveBack`): the few pixels that mirror a lamp without extent, 10,000 times as bright, would be spots of 30 pixels. Throws
+    /// std::bad_alloc.
     void take(const Film& film, const Film& guides, float white);
+    /// Adds to the filtered light what was above white.
+    void giveBack();
+
+private:
+    std::vector<std::pair<size_t, vec3>> aboveWhite_;  // pixels
 };
 
 /// The request for the guides of a picture: one sample of it is enough. `generation`: of the film that it is for.

@@ -245,7 +245,8 @@ void FrameLoop::startPicture(const PictureOrder& order) {
 /// Where the filter cannot work its viewer is told why, and gets pictures without it.
 void FrameLoop::denoiseFilm() {
     try {
-        if (!film_.wantsDenoising()) return;
+        if (film_.view()->settings.denoiser == 0) denoiserFault_.clear();
+        if (!film_.wantsDenoising(*resident_->scene, run_.has_value())) return;
         const std::stop_token stop = beginPass(*film_.view(), film_.samples(), false);
         film_.denoise(passes_, *resident_->renderer, stop);
         endPass(true);
@@ -311,7 +312,7 @@ void FrameLoop::renderPicture() {
 void FrameLoop::deliverPicture() {
     try {
         const std::stop_token stop = beginPass(picture_->view(), picture_->samples(), false);
-        picture_->denoise(passes_, *resident_->renderer, stop);
+        picture_->denoise(*resident_->scene, passes_, *resident_->renderer, stop);
         endPass(true);
     } catch (const std::exception& error) {
         endPass(false);

@@ -15,7 +15,6 @@ PictureJob::PictureJob(const PictureOrder& order, const ResidentScene& scene, Vi
     film_ = filmServes ? film.film() : film.extra(filmSize(view_));
     request_ = requestFor(scene, view_, film_->generation(), std::nullopt);
     autoExposure_ = film.autoExposure();
-    white_ = Film::WHITE * std::exp2(-(scene.scene->exposure + view_.settings.exposure + autoExposure_.value_or(0.0f)));
 }
 
 PictureState PictureJob::state() const { return samples() < target_ ? PictureState::unfinished : PictureState::finished; }
@@ -24,10 +23,18 @@ bool PictureJob::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_
     return passes.render({renderer, request_, *film_, memory_, samples(), std::move(stop)}, figures_);
 }
 
-void PictureJob::denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop) {
+void PictureJob::denoise(const Scene& scene, PassRenderer& passes, Renderer& renderer, std::stop_token stop) {
     if (!DenoisePass::wanted(request_)) return;
+    const float exposure = scene.exposure + view_.settings.exposure + exposureOf(scene).value_or(0.0f);
     DenoisePass denoiser;
-    denoised_ = denoiser.run(passes, {renderer, request_, *film_, memory_, 0, std::move(stop)}, white_, figures_);
+    denoised_ = denoiser.run(passes, {renderer, request_, *film_, memory_, 0, std::move(stop)},
+                             Film::WHITE * std::exp2(-exposure), figures_);
+}
+
+/// EV that the picture asks for itself; that of the view, where it has one.
+std::optional<float> PictureJob::exposureOf(const Scene& scene) const {
+    if (!exposesViews(view_.settings, scene)) return std::nullopt;
+    return autoExposure_ ? autoExposure_ : meteredExposure(*film_, plainBackdrop(scene, view_.settings, request_.effects));
 }
 
 FinishedFrame PictureJob::frame(const Scene& scene) const {
@@ -42,9 +49,7 @@ FinishedFrame PictureJob::frame(const Scene& scene) const {
     frame.final = true;
     frame.sceneExposure = scene.exposure;
     frame.fromFile = scene.fromFile;
-    if (exposesViews(view_.settings, scene))
-        frame.autoExposure =
-            autoExposure_ ? autoExposure_ : meteredExposure(*film_, plainBackdrop(scene, view_.settings, request_.effects));
+    frame.autoExposure = exposureOf(scene);
     frame.figures = figures_;
     return frame;
 }

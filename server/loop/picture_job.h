@@ -17,10 +17,12 @@ public:
     /// One sample more. False when it was given up.
     bool renderPass(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
     /// Filters it where its settings ask for it. Throws what DenoisePass does.
-    void denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
+    void denoise(const Scene& scene, PassRenderer& passes, Renderer& renderer, std::stop_token stop);
     FinishedFrame frame(const Scene& scene) const;
 
 private:
+    std::optional<float> exposureOf(const Scene& scene) const;
+
     PictureOrder order_;
     ViewRequest view_;
     std::shared_ptr<Film> film_;
@@ -29,7 +31,6 @@ private:
     ViewMemory memory_;
     PassFigures figures_;
     std::shared_ptr<const std::vector<vec4>> denoised_;
-    double white_ = Film::WHITE;  // radiance that is shown white
     std::optional<float> autoExposure_;  // the view's
 };
 

@@ -49,6 +49,7 @@ void ViewFilm::show(const ResidentScene& scene, const ViewRequest& request) {
         errors_.clear();
         plan_.forget();
         denoised_.reset();
+        denoisedSamples_ = 0;
         figures_.devices = 0;  // what a pass that was given up left behind is not in this film
     }
     view_ = request;
@@ -68,19 +69,23 @@ bool ViewFilm::renderPass(PassRenderer& passes, Renderer& renderer, std::stop_to
     return true;
 }
 
-bool ViewFilm::wantsDenoising() const {
+bool ViewFilm::wantsDenoising(const Scene& scene, bool path) {
     FrameRequest request = request_;
     request.settings.denoiser = view_->settings.denoiser;
     if (samples_ == 0 || !DenoisePass::wanted(request)) return false;
-    return !denoised_ || denoisedSamples_ != samples_ || denoiserOf_ != request.settings.denoiser;
+    meterExposure(scene, path);
+    white_ = Film::WHITE * std::exp2(-(scene.exposure + view_->settings.exposure + autoExposure_.value_or(0.0f)));
+    return denoisedSamples_ != samples_ || denoiserOf_ != request.settings.denoiser || denoisedWhite_ != white_;
 }
 
 bool ViewFilm::denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop) {
     FrameRequest request = request_;
     request.settings.denoiser = denoiserOf_ = view_->settings.denoiser;
     denoisedSamples_ = samples_;
-    denoised_ =
-        denoiser_.run(passes, {renderer, request, *film_, memory_, 0, std::move(stop), {}, urgency()}, white_, figures_);
+    denoisedWhite_ = white_;
+    denoised_.reset();  // should it fail, there is none
+    const Urgency urgent = view_->moving ? Urgency::awaited : urgency();
+    denoised_ = denoiser_.run(passes, {renderer, request, *film_, memory_, 0, std::move(stop), {}, urgent}, white_, figures_);
     return denoised_ != nullptr;
 }
 
@@ -143,9 +148,11 @@ FinishedFrame ViewFilm::frame(const Scene& scene, bool path) {
     FinishedFrame frame;
     frame.film = film_;
     if (view_->settings.denoiser != 0) {
-        frame.denoised = denoisedSamples_ == samples_ ? denoised_ : nullptr;
+        const bool current = denoisedSamples_ == samples_ && denoiserOf_ == view_->settings.denoiser;
+        frame.denoised = current ? denoised_ : nullptr;
     } else {
         denoised_.reset();
+        denoisedSamples_ = 0;
         denoiser_.forget();
     }
     frame.size = film_->resolution();

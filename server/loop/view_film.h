@@ -32,8 +32,8 @@ public:
     /// Filters what the film holds by now, where its settings ask for it: `frame` then has the picture. False when it was given up, as
     /// `renderPass`. Throws what DenoisePass does.
     bool denoise(PassRenderer& passes, Renderer& renderer, std::stop_token stop);
-    /// Whether `denoise` has something to do.
-    bool wantsDenoising() const;
+    /// Whether `denoise` has something to do. `path`: as for `frame`. Throws InputError for a denoiser that is not there.
+    bool wantsDenoising(const Scene& scene, bool path);
     /// Whether the last pass was over the whole picture.
     bool passWasWhole() const { return passWasWhole_; }
     /// Of the next pass: the first shows an input that no picture shows yet.
@@ -84,10 +84,11 @@ private:
     double edgeShare_ = 0.0;          // at the last of them
     ViewMemory memory_;
     DenoisePass denoiser_;
-    double white_ = Film::WHITE;  // radiance that is shown white
+    double white_ = Film::WHITE;                         // radiance that is shown white
     std::shared_ptr<const std::vector<vec4>> denoised_;  // of denoisedSamples_ of the film
     uint32_t denoisedSamples_ = 0;
-    uint32_t denoiserOf_ = 0;  // the setting by which it was made
+    uint32_t denoiserOf_ = 0;     // the setting by which it was made, and
+    double denoisedWhite_ = 0.0;  // the radiance that is shown white
     AdaptivePlan plan_;
     bool passWasWhole_ = true;
     std::optional<float> autoExposure_;  // held while the view moves

@@ -26,7 +26,7 @@ public:
     static bool wanted(const FrameRequest& request);
     /// Filters what the film holds of `picture`, whose request, film and renderer it takes, into linear RGB, row-major. `white`:
     /// radiance that is shown white, Film::WHITE at exposure 0. Nothing when
-    /// `stop` was asked for first, or a device made the guides that knows none (raster previews). Adds to `figures` what the
+    /// `stop` was asked for first, or the device knows no guides (raster previews). Adds to `figures` what the
     /// guides took. Throws what PassRenderer does, and std::runtime_error for want of memory.
     std::shared_ptr<const std::vector<vec4>> run(PassRenderer& passes, const Pass& picture, double white, PassFigures& figures);
     const DenoiseFigures& took() const { return took_; }
@@ -37,11 +37,10 @@ private:
     bool renderGuides(PassRenderer& passes, const Pass& picture, PassFigures& figures);
     void filter(const Pass& picture);
 
-    Film guides_;
+    std::unique_ptr<Film> guides_;
     std::optional<uint32_t> guidesOf_;  // generation of the film whose guides they are
     uint32_t generation_ = 0;
     DenoiseJob job_;
-    std::shared_ptr<std::vector<vec4>> shown_;  // the picture before, whose memory serves again once nobody looks at it
     ProcessorDenoiser processor_;
     std::unique_ptr<OidnDenoiser> oidn_;
     DenoiseFigures took_;

@@ -46,12 +46,13 @@ GuidePixel guidePixel(uint normalWord, float nearness) {
     return g;
 }
 
-// What nearness grows by from one pixel to the next on the pixel's own surface: the smaller one of both sides.
+// What nearness grows by from one pixel to the next on the pixel's own surface: the smaller one of both sides, of those that lie in
+// the picture.
 float nearnessSlope(float before, float own, float after) {
-    float down = own - before;
-    float up = after - own;
+    float down = SELECT(before < 0.0f, 1.0e30f, own - before);
+    float up = SELECT(after < 0.0f, 1.0e30f, after - own);
     float slope = SELECT(abs(down) < abs(up), down, up);
-    return SELECT(own > 0.0f, slope, 0.0f);
+    return SELECT(own > 0.0f && slope < 1.0e30f, slope, 0.0f);
 }
 
 // How much a neighbour looks like a place on the pixel's own surface, 0 to 1. `expected`: its nearness if it is one. `cut`:
@@ -59,7 +60,7 @@ float nearnessSlope(float before, float own, float after) {
 float surfaceLikeness(IN(GuidePixel) own, IN(GuidePixel) other, float expected, float cut) {
     float turn = saturate(1.0f - NORMAL_CUT * (1.0f - dot(own.normal, other.normal)));
     float off = saturate(1.0f - abs(other.nearness - expected) * cut);
-    return turn * turn * off;
+    return SELECT(other.nearness < 0.0f, 0.0f, turn * turn * off);
 }
 
 float planeCut(float nearness) { return PLANE_CUT / max(nearness, 1.0e-20f); }
@@ -109,14 +110,14 @@ void addAround(INOUT(Around) a, float like, float light, float variance) {
     a.variances = a.variances + like * variance;
 }
 
-// By the samples' own variances where all have them; else by how far one-sample lights differ, but sharp pictures in mirrors and
-// glass are taken for what they are.
+// By the samples' own variances where all have them, else by how far one-sample lights differ. What varies in mirrors and glass are
+// the edges of what they show: those pixels are taken for what they are.
 float varianceAround(IN(Around) a, float sharp) {
     float scale = 1.0f / max(a.weights, 1.0e-6f);
     float mean = a.lights * scale;
     float left = 1.0f - sharp;
-    float apart = max(a.squares * scale - mean * mean, 0.0f) * (left * left);
-    return SELECT(a.variances < 0.0f, apart, a.variances * scale);
+    float apart = max(a.squares * scale - mean * mean, 0.0f);
+    return SELECT(a.variances < 0.0f, apart, a.variances * scale) * (left * left);
 }
 
 // Sums over neighbours.

@@ -57,6 +57,25 @@ TEST(FrameLoop, DenoisesWhatItDelivers) {
     EXPECT_FALSE(s.viewer.frames.back().denoised);
 }
 
+// The white above which light is not filtered is that of the exposure of the moment.
+TEST(FrameLoop, DenoisesAnewForAnotherExposure) {
+    Stage s;
+    s.device->grainy = true;
+    ViewRequest request = inputFrom(3, 2);
+    request.settings.denoiser = Settings::choice("denoiser", "filter");
+    s.loop.setScene(sceneOn(s.device), request);
+    ASSERT_TRUE(s.viewer.until([&] { return !s.viewer.frames.empty() && s.viewer.frames.back().final; }));
+    const auto first = s.viewer.frames.back().denoised;
+    ASSERT_TRUE(first);
+    request.inputId = 4;
+    request.settings.exposure = 5.0f;  // all of it is white now, and nothing is filtered
+    s.loop.show(request);
+    ASSERT_TRUE(s.viewer.until([&] { return s.viewer.frames.back().view.inputId == 4; }));
+    const auto second = s.viewer.frames.back().denoised;
+    ASSERT_TRUE(second);
+    EXPECT_NE(*first, *second);
+}
+
 TEST(FrameLoop, SaysOnceThatADenoiserIsMissingAndShowsThePicture) {
     try {
         OidnLibrary::get();

@@ -62,7 +62,7 @@ TEST(DenoisePass, AsksForGuidesOnceAFilm) {
 }
 
 // A lamp in a mirror, met by one sample of many.
-TEST(DenoiseJob, WhatIsShownWhiteIsNoBrighterThanThat) {
+TEST(DenoiseJob, WhatIsAboveWhiteIsNotFiltered) {
     Film film, guides;
     for (Film* one : {&film, &guides}) one->reset(uvec2(8, 8), 1);
     TileResult result;
@@ -75,6 +75,8 @@ TEST(DenoiseJob, WhatIsShownWhiteIsNoBrighterThanThat) {
     job.take(film, guides, 8.0f);
     EXPECT_EQ(job.light[9], vec4(8.0f, 8.0f, 0.25f, -1.0f));
     EXPECT_EQ(job.light[8], vec4(0.5f, 0.5f, 0.5f, -1.0f));
+    job.giveBack();
+    EXPECT_EQ(vec3(job.light[9]), vec3(1e4f, 2e4f, 0.25f)) << "and has the rest for itself";
 }
 
 TEST(DenoisePass, GivesUpWhenItIsStopped) {
