@@ -64,8 +64,9 @@ void readChoice(ByteReader& reader, uint32_t& value, std::string_view words) {
     readValue(reader, value, 0u, static_cast<uint32_t>(std::ranges::count(words, '|')));
 }
 
+/// That a picture may have.
 uint64_t knownEffects() {
-    uint64_t bits = EFFECT_GUIDES;
+    uint64_t bits = 0;
     for (const EffectRow& row : effectRows()) bits |= row.bit;
     return bits;
 }
@@ -109,7 +110,9 @@ FrameRequest readRequest(ByteReader& reader) {
     readValue(reader, moves);
     if (moves) request.previousCamera = readCamera(reader);
     request.effects.bits = reader.get<uint64_t>();
-    if ((request.effects.bits & ~knownEffects()) != 0) throw PoolMessageError("asks for an effect that there is not");
+    const bool guides = request.effects.has(EFFECT_GUIDES);
+    if ((request.effects.bits & ~(guides ? GUIDE_EFFECTS : knownEffects())) != 0)
+        throw PoolMessageError("asks for an effect that there is not");
     readValue(reader, request.resolution.x, 1u, MOST_SIDE);
     readValue(reader, request.resolution.y, 1u, MOST_SIDE);
     request.generation = reader.get<uint32_t>();

@@ -189,7 +189,11 @@ TEST(PoolMessages, WhatNoHeadAsksForIsRefused) {
     order.request.resolution = {0, 50};
     refused(order);
     order = someBatch();
-    order.request.effects.bits = uint64_t(1) << 63;
+    order.request.effects.bits = EFFECT_GUIDES | EFFECT_TEXTURES;
+    EXPECT_NO_THROW(read<BatchOrder>(bytesOf(order))) << "what the denoiser looks at";
+    order.request.effects.bits = EFFECT_GUIDES | EFFECT_SHADOWS;
+    refused(order);
+    order.request.effects.bits = uint64_t(1) << 62;
     refused(order);
 }
 
