@@ -32,10 +32,10 @@ async function set(page, name, value) {
 }
 
 async function drag(page, steps) {
-  await page.mouse.move(440, 300);
+  await page.mouse.move(440, 460);
   await page.mouse.down();
   for (let i = 1; i <= steps; i++) {
-    await page.mouse.move(440 + 100 * Math.sin(i / 20), 300 + (i % 7));
+    await page.mouse.move(440 + 100 * Math.sin(i / 20), 460 + (i % 7));
     await pause(16);
   }
 }
