@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <new>
 #include <thread>
@@ -18,9 +19,9 @@ namespace heliograph {
 
 class RestingThread {
 public:
-    /// `turn` does the next piece of work and returns false when there is none. Called on this thread only, never twice at
-    /// once; must not throw. The thread leaves when nobody has called for so long.
-    explicit RestingThread(std::function<bool()> turn, double patienceSeconds = 1);
+    /// `turn` does the next piece of work and returns false when there is none; `leave` lets go of what is needed for work alone.
+    /// Called on this thread only, never twice at once; must not throw. The thread leaves when nobody has called for so long.
+    explicit RestingThread(std::function<bool()> turn, double patienceSeconds = 1, std::function<void()> leave = {});
     RestingThread(const RestingThread&) = delete;
     RestingThread& operator=(const RestingThread&) = delete;
     ~RestingThread() { finish(); }
@@ -36,81 +37,92 @@ public:
     bool awake() const;
 
 private:
-    void serve();
+    /// What a thread that leaves still touches when this has gone.
+    struct Shared {
+        std::mutex mutex;  // of all below
+        std::condition_variable called;
+        uint64_t calls = 0;
+        bool awake = false;
+        bool waits = false;  // for a thread, which a call did not get
+        bool over = false;
+        std::thread thread;  // none after it has left: one that nobody waits for would keep its stack
+    };
+    void serve(Shared& shared);
     bool start() noexcept;
 
     const std::function<bool()> turn_;
     const double patience_;
-    mutable std::mutex mutex_;  // of all below
-    std::condition_variable called_;
-    uint64_t calls_ = 0;
-    bool awake_ = false;
-    bool waits_ = false;  // for a thread, which a call did not get
-    bool over_ = false;
-    std::thread thread_;
+    const std::function<void()> leave_;
+    const std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
 };
 
-inline RestingThread::RestingThread(std::function<bool()> turn, double patienceSeconds)
-    : turn_(std::move(turn)), patience_(patienceSeconds) {}
+inline RestingThread::RestingThread(std::function<bool()> turn, double patienceSeconds, std::function<void()> leave)
+    : turn_(std::move(turn)), patience_(patienceSeconds), leave_(std::move(leave)) {}
 
 inline bool RestingThread::call() noexcept {
     {
-        std::lock_guard lock(mutex_);
-        if (over_) return true;
-        calls_++;
-        if (!awake_) return start();
+        std::lock_guard lock(shared_->mutex);
+        if (shared_->over) return true;
+        shared_->calls++;
+        if (!shared_->awake) return start();
     }
-    called_.notify_one();
+    shared_->called.notify_one();
     return true;
 }
 
 inline bool RestingThread::retry() noexcept {
-    std::lock_guard lock(mutex_);
-    return over_ || !waits_ || start();
+    std::lock_guard lock(shared_->mutex);
+    return shared_->over || !shared_->waits || start();
 }
 
 /// With the lock held, while it is not awake.
 inline bool RestingThread::start() noexcept {
-    if (thread_.joinable()) thread_.join();  // has left: it needs the lock no more
     try {
         if (!areAddressesLeft(ROOM_FOR_DRIVERS)) throw std::bad_alloc();  // its stack would take of them
-        thread_ = std::thread([this] { serve(); });
-        awake_ = true;
+        shared_->thread = std::thread([this, shared = shared_] { serve(*shared); });
+        shared_->awake = true;
     } catch (const std::exception&) {  // no thread, or no memory for one
-        awake_ = false;
+        shared_->awake = false;
     }
-    waits_ = !awake_;
-    return awake_;
+    shared_->waits = !shared_->awake;
+    return shared_->awake;
 }
 
 inline void RestingThread::finish() {
     std::thread last;
     {
-        std::lock_guard lock(mutex_);
-        over_ = true;
-        last = std::move(thread_);
+        std::lock_guard lock(shared_->mutex);
+        shared_->over = true;
+        last = std::move(shared_->thread);
     }
-    called_.notify_one();
+    shared_->called.notify_one();
     if (last.joinable()) last.join();
 }
 
 inline bool RestingThread::awake() const {
-    std::lock_guard lock(mutex_);
-    return awake_;
+    std::lock_guard lock(shared_->mutex);
+    return shared_->awake;
 }
 
-inline void RestingThread::serve() {
-    std::unique_lock lock(mutex_);
+inline void RestingThread::serve(Shared& shared) {
+    std::unique_lock lock(shared.mutex);
     while (true) {
-        const uint64_t seen = calls_;
+        const uint64_t seen = shared.calls;
         lock.unlock();
         const bool worked = turn_();
         lock.lock();
         if (worked) continue;
         const auto patience = std::chrono::duration<double>(patience_);
-        const bool called = called_.wait_for(lock, patience, [&] { return calls_ != seen || over_; });
-        if (called && calls_ != seen) continue;
-        awake_ = false;
+        shared.called.wait_for(lock, patience, [&] { return shared.calls != seen || shared.over; });
+        if (shared.calls != seen) continue;
+        if (leave_) {
+            lock.unlock();
+            leave_();
+            lock.lock();
+            if (shared.calls != seen) continue;
+        }
+        shared.awake = false;
+        if (shared.thread.joinable()) shared.thread.detach();  // else `finish` waits for it
         return;
     }
 }

@@ -22,6 +22,8 @@ public:
     /// Encodes into `bytes` (replaced). `quality` in [1, 100] where the format has one. Returns the processor time, in seconds,
     /// that other threads than the caller's spent on it. Throws std::runtime_error.
     virtual double encode(const DisplayImage& image, uint32_t quality, std::vector<uint8_t>& bytes) = 0;
+    /// Lets go of what it keeps from one picture to the next.
+    virtual void rest() {}
 };
 
 }  // namespace heliograph

@@ -48,6 +48,8 @@ public:
         return others;
     }
 
+    void rest() override { stripes_ = {}; }
+
 private:
     struct Stripe {
         std::vector<uint8_t> bytes;  // room for the worst, kept: growing it anew would clear megabytes for every frame

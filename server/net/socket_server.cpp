@@ -68,7 +68,7 @@ void SocketLoop::createContext() {
     lastLibraryError().clear();
     static const lws_protocols protocols[] = {
         {HTTP_PROTOCOL, callback, 0, 16384, 0, nullptr, 0},
-        {PROTOCOL_NAME, callback, 0, 16384, 0, nullptr, 0},
+        {PROTOCOL_NAME, callback, 0, 4096, 0, nullptr, 0},
         {nullptr, nullptr, 0, 0, 0, nullptr, 0},
     };
     // Nobody is pinged by the library, each at a time of its own: the sweep does, all that are due at once.

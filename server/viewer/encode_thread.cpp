@@ -5,7 +5,14 @@
 
 namespace heliograph {
 
-EncodeThread::EncodeThread(Done done) : encoded_(std::move(done)), thread_([this] { return turn(); }) {}
+namespace {
+
+constexpr double PATIENCE_SECONDS = 1.0;
+
+}  // namespace
+
+EncodeThread::EncodeThread(Done done)
+    : encoded_(std::move(done)), thread_([this] { return turn(); }, PATIENCE_SECONDS, [this] { maker_.rest(); }) {}
 
 void EncodeThread::finish() {
     jobs_.close();

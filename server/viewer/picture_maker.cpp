@@ -74,6 +74,14 @@ struct PictureMaker::Encoders {
     }
 };
 
+void PictureMaker::rest() {
+    encoders_->jpeg->rest();
+    encoders_->savedJpeg->rest();
+    pixels_ = {};
+    display_ = {};
+    made_ = {};
+}
+
 PictureMaker::PictureMaker() : encoders_(std::make_unique<Encoders>()) {}
 PictureMaker::~PictureMaker() = default;
 

@@ -72,6 +72,8 @@ public:
     EncodedFrame make(const FinishedFrame& frame, FrameHeader header, bool keep = false, SharedPictures* shared = nullptr);
     /// The rows from `firstRow` on as PNG. `header`: its frame id alone counts, the rest is the picture's.
     EncodedFrame makePart(const StillPicture& still, uint32_t firstRow, uint32_t rows, FrameHeader header);
+    /// Lets go of its buffers, which the next picture makes anew. A video goes on.
+    void rest();
 
 private:
     void paint(const FinishedFrame& frame, const PictureKey& key, bool several, MadePicture& made);

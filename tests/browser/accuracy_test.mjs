@@ -142,11 +142,12 @@ async function choosing(checks, session) {
   });
   await checks.check('accuracy: a view that has changed since is said in a line', async () => {
     await session.set('fog', true);
-    await until('the line', 5000, async () => (await changed.textContent()).startsWith('Changed since: Fog.'));
+    await until('the line of fog', 5000, async () => (await changed.textContent()).startsWith('Changed since: Fog.'));
     await session.set('fog', false);
+    await until('no line', 5000, async () => (await changed.textContent()) === '');
     await page.locator('body > canvas').focus();
-    await page.keyboard.press('KeyW');
-    await until('the line', 5000, async () => (await changed.textContent()).startsWith('Changed since: camera.'));
+    await page.keyboard.press('KeyW', { delay: 300 });
+    await until('the line of the camera', 5000, async () => (await changed.textContent()).startsWith('Changed since: camera.'));
     await page.locator('.dock').getByRole('button', { name: 'Effects' }).click();
   });
 }

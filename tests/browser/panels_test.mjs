@@ -213,8 +213,12 @@ async function copying(checks, session) {
     let before, copied, shown;
     await until('a picture that stays', 20000, async () => {
       before = await sizeShown();
+      await page.evaluate(() => navigator.clipboard.writeText('nothing yet'));
       await page.locator('.dock').getByRole('button', { name: 'Save' }).click();
       await page.getByRole('menuitem', { name: 'Copy' }).click();
+      // Not by the line that says so: that of the time before may still stand there.
+      await until('a picture in the clipboard', 20000, () => page.evaluate(async () =>
+        (await navigator.clipboard.read())[0].types.includes('image/png')));
       await page.getByText('The picture is in the clipboard.').first().waitFor({ timeout: 20_000 });
       copied = await page.evaluate(async () => {
         const [item] = await navigator.clipboard.read();

@@ -273,26 +273,35 @@ PointTime AccuracySweep::timeOf(const AccuracyPoint& point) const {
     if (point.coding) {
         return {median(point.ms), percentile(point.ms, 0.25), percentile(point.ms, 0.75), point.ms.size()};
     }
-    // The settings as given were timed beside every point: their median is the best known time here.
-    std::vector<double> given;
-    for (const AccuracyPoint& other : points_) {
-        given.insert(given.end(), other.time.second.wallMs.begin(), other.time.second.wallMs.end());
-    }
+    return timeOf(point, givenMs());
+}
+
+PointTime AccuracySweep::timeOf(const AccuracyPoint& point, double givenMs) const {
     const PairedRatio ratio = ratioOf(point.time, core_);
-    const double ms = median(given);
-    return {ratio.median * ms, ratio.low * ms, ratio.high * ms, point.time.first.wallMs.size()};
+    return {ratio.median * givenMs, ratio.low * givenMs, ratio.high * givenMs, point.time.first.wallMs.size()};
+}
+
+/// The settings as given were timed beside every point: their median is the best known time here.
+double AccuracySweep::givenMs() const {
+    std::vector<double> given;
+    for (const AccuracyPoint& point : points_) {
+        given.insert(given.end(), point.time.second.wallMs.begin(), point.time.second.wallMs.end());
+    }
+    return median(given);
 }
 
 std::vector<size_t> AccuracySweep::front() const {
+    const double given = givenMs();
     std::vector<Bargain> bargains;
-    std::vector<size_t> rows, seen;
+    std::vector<size_t> rows;
+    std::vector<bool> seen(points_.size(), false);
     for (size_t i = 0; i < rows_.size(); i++) {
         const AccuracyPoint& point = points_[rows_[i].point];
         if (point.coding || point.byLight || !point.measured) continue;
-        if (std::ranges::find(seen, rows_[i].point) != seen.end()) continue;
-        seen.push_back(rows_[i].point);
+        if (seen[rows_[i].point]) continue;
+        seen[rows_[i].point] = true;
         rows.push_back(i);
-        bargains.push_back({timeOf(point).ms, point.error.own.rmse});
+        bargains.push_back({timeOf(point, given).ms, point.error.own.rmse});
     }
     std::vector<size_t> front;
     for (size_t i : paretoFront(bargains)) front.push_back(rows[i]);

@@ -122,6 +122,8 @@ private:
         DisplayImage ownShown, lightShown;
     };
 
+    PointTime timeOf(const AccuracyPoint& point, double givenMs) const;
+    double givenMs() const;
     void makeRows();
     size_t pointOf(std::vector<std::string> set, const Settings& settings);
     void makeReferences(const Progress& progress);

@@ -4,8 +4,12 @@
 #include "tests/support/until.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
+#include <unistd.h>
 
 #include <atomic>
+#include <fstream>
+#include <list>
 
 namespace heliograph::TEST_FILE {
 namespace {
@@ -83,6 +87,56 @@ TEST(RestingThread, EndsWithoutTheThreadItNeverGot) {
     EXPECT_FALSE(thread.call());
     thread.finish();
     EXPECT_EQ(turns, 0);
+}
+
+TEST(RestingThread, LetsGoOfWhatItNeededOnceItLeaves) {
+    std::atomic<int> turns{0}, left{0};
+    RestingThread thread([&] { return ++turns < 0; }, 0.01, [&] { left++; });
+    thread.call();
+    EXPECT_TRUE(test::until([&] { return turns == 1 && !thread.awake(); }));
+    EXPECT_EQ(left, 1);
+    thread.call();
+    EXPECT_TRUE(test::until([&] { return turns == 2 && !thread.awake(); }));
+    EXPECT_EQ(left, 2);
+}
+
+TEST(RestingThread, ACallWhileItLeavesIsAnswered) {
+    std::atomic<int> turns{0};
+    std::atomic<bool> leaves{false}, held{true};
+    RestingThread thread([&] { return ++turns < 0; }, 0.0,
+                         [&] {
+                             leaves = true;
+                             EXPECT_TRUE(test::until([&] { return !held; }));
+                         });
+    thread.call();
+    EXPECT_TRUE(test::until([&] { return leaves.load(); }));
+    thread.call();
+    held = false;
+    EXPECT_TRUE(test::until([&] { return turns == 2; }));
+}
+
+/// Bytes of addresses that the process has taken.
+size_t addresses() {
+    size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<size_t>(sysconf(_SC_PAGESIZE));
+}
+
+TEST(RestingThread, KeepsNoStackOnceItHasLeft) {
+    constexpr size_t COUNT = 64;
+    pthread_attr_t attributes;
+    ASSERT_EQ(pthread_getattr_default_np(&attributes), 0);
+    size_t stack = 0;
+    ASSERT_EQ(pthread_attr_getstacksize(&attributes, &stack), 0);
+    pthread_attr_destroy(&attributes);
+    std::list<RestingThread> threads;
+    const size_t before = addresses();
+    for (size_t i = 0; i < COUNT; i++) {
+        threads.emplace_back([] { return false; }, 0.0);
+        threads.back().call();
+        ASSERT_TRUE(test::until([&] { return !threads.back().awake(); }));
+    }
+    EXPECT_LT(addresses(), before + COUNT / 2 * stack);
 }
 
 TEST(RestingThread, EndsAfterWhatIsLeftToDo) {
