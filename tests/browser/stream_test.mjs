@@ -6,6 +6,7 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { Line, LINES } from '../load/line.mjs';
 import { codecChecks } from './codec_checks.mjs';
+import { promiseChecks } from './promise_checks.mjs';
 import { compared, savedPicture } from './look.mjs';
 import { Browser, Checks, expect, freePort, outFolder, pause, Server, unfoldFor, until } from './page.mjs';
 
@@ -164,6 +165,7 @@ export async function streamChecks(checks) {
     const [page, relay] = await open({});
     await set(page, 'samples', 4);
     await exactChecks(checks, page);
+    await promiseChecks(checks, page, { set, drag, exact });
     await hiddenChecks(checks, page, relay);
     await codecChecks(checks, open, { set, drag, exact, savedPicture });
     await badgeChecks(checks, async (line) => (await open(line))[0]);
