@@ -3,7 +3,8 @@
 storm of messages, the time to serve again after `kill -9`. Memory is resident memory of the process after a quarter of the way
 and at the end, both after two quiet seconds.
 
-endure.py [--parts idle,viewers,cycles,storm,restart] [--cycles 10000] [--storm 600] [--connections 1000]; prints a table.
+endure.py [--parts idle,viewers,cycles,storm,soak,restart] [--cycles 10000] [--storm 600] [--soak 1800] [--connections 1000];
+prints a table, and on stderr memory after each round of the soak.
 HELIOGRAPH and HELIOGRAPH_LOAD name the programs. Exit code 1: memory grew by more than 5 %, or not
 all viewers stayed."""
 import argparse, os, random, re, signal, subprocess, sys, time
@@ -143,6 +144,30 @@ def storm(options):
     return flat('%.0f s of messages' % options.storm, first, last, '%d messages' % count)
 
 
+def soak(options):
+    """Twenty viewers who come over five seconds, do all kinds of things for fifteen and go, again and again; odd rounds by video.
+    Sizes and what they do differ from round to round."""
+    server = support.Server('--max-viewers', '40', '--keep-views', '1', scene='courtyard')
+    rng, start, first, memory, rounds = random.Random(1), time.monotonic(), 0.0, [], 0
+    while time.monotonic() - start < options.soak:
+        size = rng.choice(('160x90', '320x180', '640x360'))
+        script = rng.choice(('orbit', 'path', 'walk', 'settings', 'mixed'))
+        load = [LOAD, 'ws://127.0.0.1:%d/ws' % server.port, '--viewers', '20', '--ramp', '5', '--seconds', '15', '--size', size,
+                '--script', script, '--seed', str(rounds + 1)]
+        said = subprocess.run(load + (['--vp9'] if rounds % 2 else []), stdout=subprocess.PIPE, text=True)
+        if said.returncode:
+            raise RuntimeError('round %d: exit code %d\n%s' % (rounds, said.returncode, said.stdout[-500:]))
+        rounds += 1
+        nobody(server)
+        memory.append(settled(server))
+        if not first and time.monotonic() - start > options.soak / 4:
+            first = memory[-1]
+            print('<!-- MiB after each round so far: %s -->' % ' '.join('%.0f' % m for m in memory), file=sys.stderr, flush=True)
+    print('<!-- MiB after each round: %s -->' % ' '.join('%.0f' % m for m in memory), file=sys.stderr, flush=True)
+    server.end()
+    return flat('%.0f s of twenty viewers who come and go' % options.soak, first, memory[-1], '%d rounds, first %.0f MiB' % (rounds, memory[0]))
+
+
 def restart(options):
     """Killed, and started again on the same port."""
     port, longest = support.free_port(), 0.0
@@ -162,9 +187,10 @@ def restart(options):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument('--parts', default='idle,viewers,cycles,storm,restart')
+    parser.add_argument('--parts', default='idle,viewers,cycles,storm,soak,restart')
     parser.add_argument('--cycles', type=int, default=10000)
     parser.add_argument('--storm', type=float, default=600.0)
+    parser.add_argument('--soak', type=float, default=1800.0)
     parser.add_argument('--connections', type=int, default=1000)
     options = parser.parse_args()
     print('| what | before | after | |\n| --- | ---: | ---: | --- |', flush=True)

@@ -32,7 +32,9 @@ class Direction {
     this.free = 0; // when the line has sent what was put into it
     this.last = 0; // when the newest byte arrives
     this.waiting = []; // [time, bytes]
-    this.queued = 0;
+    this.entrance = []; // [when they are on their way, bytes]
+    this.queued = 0; // bytes at the entrance
+    this.held = null;
     this.timer = null;
     this.begin = performance.now();
     this.stalls = stallEveryMs > 0 ? stallTimes(stallEveryMs) : null;
@@ -42,10 +44,19 @@ class Direction {
   }
 
   take(data) {
-    this.queued += data.length;
     this.counted(data.length);
     for (let at = 0; at < data.length; at += SEGMENT_BYTES) this.put(data.subarray(at, at + SEGMENT_BYTES));
-    if (this.queued > QUEUE_BYTES) this.from.pause();
+    if (this.held === null) this.hold();
+  }
+
+  /** No more is taken while the entrance is full. What is on its way does not count: a long line holds as much as it carries. */
+  hold() {
+    const now = performance.now();
+    this.held = null;
+    while (this.entrance.length > 0 && this.entrance[0][0] <= now) this.queued -= this.entrance.shift()[1];
+    if (this.queued <= QUEUE_BYTES) return void this.from.resume();
+    this.from.pause();
+    this.held = setTimeout(() => this.hold(), Math.max(1, this.entrance[0][0] - now));
   }
 
   put(bytes) {
@@ -58,6 +69,8 @@ class Direction {
     }
     this.last = Math.max(this.last, arrival); // what comes behind a stall waits for it
     this.waiting.push([this.last, bytes]);
+    this.queued += bytes?.length ?? 0;
+    this.entrance.push([this.last - this.line.delayMs, bytes?.length ?? 0]);
     if (this.timer === null) this.schedule();
   }
 
@@ -74,9 +87,7 @@ class Direction {
       const [, bytes] = this.waiting.shift();
       if (bytes === null) this.to.end();
       else if (!this.to.destroyed) this.to.write(bytes);
-      this.queued -= bytes?.length ?? 0;
     }
-    if (this.queued <= QUEUE_BYTES) this.from.resume();
     if (this.waiting.length > 0) this.schedule();
   }
 }
