@@ -48,7 +48,8 @@ done
 [ -z "$found" ] || sed 's/^/FAILED tidy: /' <<<"$found"
 
 # Each file alone, which shows what it forgot to include of ours; what most of them read of others is read once.
-options=(-std=c++20 -march=x86-64-v2 -I. -DFMT_SHARED -DSPDLOG_COMPILED_LIB -DSPDLOG_FMT_EXTERNAL -DSPDLOG_SHARED_LIB)
+options=(-std=c++20 -march=x86-64-v2 -I. -DFMT_SHARED -DSPDLOG_COMPILED_LIB -DSPDLOG_FMT_EXTERNAL -DSPDLOG_SHARED_LIB
+    -DHELIOGRAPH_VERSION=\"0\" -DHELIOGRAPH_ISA_NAME=\"v2\" -DHELIOGRAPH_KERNEL_NAMESPACE=lanes -DHELIOGRAPH_EFFECTS_LEFT_OUT=0ull)  # as CMake does for single files
 mapfile -t -O ${#options[@]} options < <(grep -hoE -- '-isystem [^ ]+' "$commands/compile_commands.json" | sort -u | tr ' ' '\n')
 grep -hoE '^#include <(nlohmann|spdlog|tbb|glm|[a-z_]+>).*' "${tidied[@]}" server/*/*.h | grep -vE '\.h>' | sort -u >"$commands/heads.h"
 clang++ "${options[@]}" -x c++-header "$commands/heads.h" -o "$commands/heads.pch" || { failed=$((failed + 1)); echo "FAILED alone: no heads"; }
