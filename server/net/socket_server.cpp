@@ -67,8 +67,9 @@ void SocketLoop::createContext() {
     lws_set_log_level(LLL_ERR | LLL_WARN, libraryLog);
     lastLibraryError().clear();
     static const lws_protocols protocols[] = {
-        {HTTP_PROTOCOL, callback, 0, 16384, 0, nullptr, 0},
-        {PROTOCOL_NAME, callback, 0, 4096, 0, nullptr, 0},
+        // Bytes read at once, of which each connection keeps a buffer, and sent at once.
+        {HTTP_PROTOCOL, callback, 0, 16384, 0, nullptr, 16384},
+        {PROTOCOL_NAME, callback, 0, 4096, 0, nullptr, 16384},
         {nullptr, nullptr, 0, 0, 0, nullptr, 0},
     };
     // Nobody is pinged by the library, each at a time of its own: the sweep does, all that are due at once.

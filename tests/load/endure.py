@@ -149,12 +149,12 @@ def soak(options):
     Sizes and what they do differ from round to round."""
     server = support.Server('--max-viewers', '40', '--keep-views', '1', scene='courtyard')
     rng, start, first, memory, rounds = random.Random(1), time.monotonic(), 0.0, [], 0
-    while time.monotonic() - start < options.soak:
+    while time.monotonic() - start < options.soak or rounds < 2:
         size = rng.choice(('160x90', '320x180', '640x360'))
         script = rng.choice(('orbit', 'path', 'walk', 'settings', 'mixed'))
         load = [LOAD, 'ws://127.0.0.1:%d/ws' % server.port, '--viewers', '20', '--ramp', '5', '--seconds', '15', '--size', size,
-                '--script', script, '--seed', str(rounds + 1)]
-        said = subprocess.run(load + (['--vp9'] if rounds % 2 else []), stdout=subprocess.PIPE, text=True)
+                '--script', script, '--seed', str(rounds + 1), '--require', 'errors<=0', '--require', 'refused<=0']
+        said = subprocess.run(load + (['--vp9'] if rounds % 2 else []), stdout=subprocess.PIPE, text=True, timeout=120)
         if said.returncode:
             raise RuntimeError('round %d: exit code %d\n%s' % (rounds, said.returncode, said.stdout[-500:]))
         rounds += 1

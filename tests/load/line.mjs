@@ -100,16 +100,21 @@ export class Line {
     const relay = new Line();
     relay.server = createServer({ noDelay: true }, (viewer) => {
       const server = connect({ port, host: '127.0.0.1', noDelay: true });
-      new Direction(server, viewer, line, (bytes) => (relay.received += bytes));
-      new Direction(viewer, server, { delayMs: line.delayMs }, () => undefined);
+      const down = new Direction(server, viewer, line, (bytes) => (relay.received += bytes));
+      const up = new Direction(viewer, server, { delayMs: line.delayMs }, () => undefined);
       for (const [one, other] of [[viewer, server], [server, viewer]]) {
         one.on('error', () => other.destroy());
-        one.on('close', () => setTimeout(() => other.destroy(), line.delayMs + 100));
+        one.on('close', () => relay.#leave(other, one === server ? down : up, line.delayMs + 100));
       }
     });
     await new Promise((ready) => relay.server.listen(0, '127.0.0.1', ready));
     relay.port = relay.server.address().port;
     return relay;
+  }
+
+  /** Ends the other side once what was on its way has come. */
+  #leave(other, direction, waitMs) {
+    setTimeout(() => (direction.waiting.length > 0 ? this.#leave(other, direction, 50) : other.destroy()), waitMs);
   }
 
   close() {

@@ -136,6 +136,8 @@ class Stranger:
                 line = self.file.readline()
             except OSError:
                 return
+            if not line:  # the broker has ended
+                return
             if line.startswith(b"PING"):
                 with self.lock:
                     self.socket.sendall(b"PONG\r\n")
