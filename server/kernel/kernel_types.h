@@ -36,7 +36,7 @@ static_assert(sizeof(Material) == 176 && offsetof(Material, metallic) == 80 && o
 static_assert(sizeof(TextureSlot) == 48 && offsetof(TextureSlot, image) == 24);
 static_assert(sizeof(Image) == 16 && sizeof(ImageLevel) == 16);
 static_assert(sizeof(Light) == 80 && offsetof(Light, intensity) == 32 && offsetof(Light, edge) == 64);
-static_assert(sizeof(Environment) == 224 && offsetof(Environment, backdrop) == 208 && offsetof(Environment, ambient) == 32 &&
+static_assert(sizeof(Environment) == 240 && offsetof(Environment, backdrop) == 224 && offsetof(Environment, ambient) == 32 &&
               offsetof(Environment, lightTable) == 176);
 static_assert(sizeof(KernelCamera) == 64);
 static_assert(offsetof(FrameConstants, resolution) == 64 && offsetof(FrameConstants, fogCenter) == 96 &&

@@ -6,7 +6,7 @@
 namespace heliograph {
 
 #ifdef __GLIBCXX__
-static_assert(sizeof(Scene) == 1624,
+static_assert(sizeof(Scene) == 1640,
               "Scene has changed: if pictures depend on a new member, scene_parts.cpp has to carry it to the nodes");
 #endif
 

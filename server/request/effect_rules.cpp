@@ -297,6 +297,14 @@ Finding surfaceLights(const Usage& usage) {
     return {true, counted(usage.scene.environment.emitterCount, "glowing triangle")};
 }
 
+Finding manyLamps(const Usage& usage) {
+    const Environment& environment = usage.scene.environment;
+    if (environment.lampTreeLevels == 0)
+        return {false, "no more than " + std::to_string(MOST_LISTED_LAMPS) + " triangles glow"};
+    if (Finding surface = litSurfaceIn(usage); !surface.calledFor) return surface;
+    return {true, counted(environment.emitterCount, "glowing triangle")};
+}
+
 Finding roughGlass(const Usage& usage) {
     return byItsMaterial(usage, "no rough glass",
                          [&](const Material& m) { return !phong(m) && m.roughness > 0.0f && transmits(usage.scene, m); });

@@ -63,6 +63,10 @@ Environment chosenFrom(const Scene& scene, const Settings& settings) {
     environment = scene.offered[chosen == Chosen::studio ? 0 : 1];
     environment.emitterTable = own.emitterTable;
     environment.emitterCount = own.emitterCount;
+    environment.lampTree = own.lampTree;
+    environment.lampTreeLevels = own.lampTreeLevels;
+    environment.lampTrails = own.lampTrails;
+    environment.glassTable = own.glassTable;
     environment.lightTree = own.lightTree;
     environment.lightTreeLevels = own.lightTreeLevels;
     environment.listedLights = own.listedLights;

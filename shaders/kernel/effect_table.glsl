@@ -45,4 +45,5 @@ EFFECT(35, EFFECT_IRIDESCENCE, iridescence, none, 0, none, iridescence, everythi
 EFFECT(36, EFFECT_DIFFUSE_TRANSMISSION, diffuseTransmission, none, 0, none, diffuseTransmission, everything, "Light scatters through thin things to their other side, as through leaves and paper.")
 EFFECT(37, EFFECT_SUN, sun, sun, 0, sunStrength, onLitSurfaces, spread, "A sun shines from where the viewer puts it, beside the scene's own lights.")
 EFFECT(38, EFFECT_GROUND, ground, ground, 0, none, anywhere, everything, "Ground that shows nothing but the shadows on it, under what would float.")
+EFFECT(39, EFFECT_MANY_LAMPS, manyLamps, manyLights, EFFECT_SURFACE_LIGHTS, none, manyLamps, everything, "Of many glowing triangles that is asked which may bring most, by power and distance.")
 #undef EFFECT

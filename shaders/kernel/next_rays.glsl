@@ -99,25 +99,23 @@ uint followRefraction(IN(PathState) p, IN(Surface) s, IN(Shading) m, vec3 arrivi
     bool solid = (m.flags & MATERIAL_VOLUME) != 0u;
     vec3 about = m.normal;
     vec3 onward = p.direction;
-    float scattering = saturate(2.0f * m.ior - 2.0f);
     if (HAS(EFFECT_ROUGH_GLASS)) {
         about = m.facet;
         // A thin pane scatters as its front reflects, to the other side; below an index of 1.5 less, as there is less to bend it
         // (the roughness of Khronos' sample viewer), and at 1 there is no interface.
+        float scattering = saturate(2.0f * m.ior - 2.0f);
         vec3 leaning = SELECT(scattering < 1.0f, normalize3(m.normal + (about - m.normal) * scattering), about);
         vec3 mirrored = p.direction - leaning * (2.0f * dot(leaning, p.direction));
         onward = mirrored - m.normal * (2.0f * dot(m.normal, mirrored));
     }
     vec3 bent = normalize3(p.direction * eta + about * (eta * cosI - cosT));
+    float leaving = -dot(m.normal, SELECT(solid, bent, onward));
     float above = dot(bent, s.geometricNormal);  // must leave on the far side
     bent = SELECT(above < 0.0f, bent, normalize3(bent - s.geometricNormal * (above + 0.01f)));
     float across = dot(onward, s.geometricNormal);
     if (HAS(EFFECT_ROUGH_GLASS)) onward = SELECT(across < 0.0f, onward, normalize3(onward - s.geometricNormal * (across + 0.01f)));
     vec3 direction = SELECT(solid, bent, onward);
-    if (HAS(EFFECT_ROUGH_GLASS)) {
-        float through = throughShare(m, -dot(m.normal, direction));
-        weight = weight * SELECT(scattering < 1.0f, 1.0f + (through - 1.0f) * scattering, through);
-    }
+    if (HAS(EFFECT_ROUGH_GLASS)) weight = weight * throughShare(m, leaving);
     bool follow = HAS(EFFECT_REFRACTIONS) && refractionDepth(p.depth) < FRAME.maxRefractions
                   && share > FRAME.contributionThreshold;
     if (HAS(EFFECT_PATH)) follow = share > 0.0f && bounces(p.depth) < FRAME.maxBounces;
@@ -175,7 +173,9 @@ Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
         float cosT;
         r.eta = SELECT(inside, ior, 1.0f / ior);
         float f = fresnelDielectric(r.cosI, r.eta, cosT);
-        f = max(SELECT(m.ior > 0.0f, f, 1.0f), m.mirror);
+        f = SELECT(m.ior > 0.0f, f, 1.0f);
+        f = SELECT((m.flags & MATERIAL_VOLUME) == 0u, paneReflectance(f), f);
+        f = max(f, m.mirror);
         r.cosT = cosT;
         // The clear share reflects as glass does; the opaque share keeps its own model's reflectance.
         float glass = m.transmission * f;
@@ -184,7 +184,11 @@ Split splitAt(IN(PathState) p, IN(Surface) s, IN(Shading) m) {
             glass = glass * m.kept;
             through = through * m.kept;
         }
-        if (HAS(EFFECT_ROUGH_GLASS)) glass = glass * facetShare(m, -p.direction);
+        if (HAS(EFFECT_ROUGH_GLASS)) {
+            float gain = glassGain(m, r.eta, saturate(-dot(m.normal, p.direction)));
+            glass = glass * facetShare(m, -p.direction) * gain;
+            through = through * gain;
+        }
         vec3 both = r.reflected * (1.0f - m.transmission) + vec3(glass, glass, glass);
         r.reflected = SELECT(clear, both, r.reflected);
         r.transmitted = SELECT(clear, through, 0.0f);

@@ -7,7 +7,9 @@
 #include "effects/motion_blur.glsl"
 #include "effects/depth_of_field.glsl"
 #include "effects/glossy_reflections.glsl"
+#include "effects/rough_glass.glsl"
 #include "effects/indirect_light.glsl"
+#include "effects/many_lamps.glsl"
 #include "effects/sampled_lights.glsl"
 #include "effects/nested_media.glsl"
 

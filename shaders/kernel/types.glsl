@@ -180,7 +180,7 @@ struct Light {
     float aspect;      // quad: half length of that side over the length of `edge`
 };
 
-// What surrounds the scene, and the tables by which light is sampled (first words in the array of texels). 224 bytes. One of
+// What surrounds the scene, and the tables by which light is sampled (first words in the array of texels). 240 bytes. One of
 // those that the scene has, turned and scaled for the frame (request/surroundings.h).
 struct Environment {
     vec4 color;          // rgb mean radiance, used where there is no image
@@ -197,6 +197,10 @@ struct Environment {
     uint lightTree;        // root of the tree of the scene's many lights (scene/light/light_tree.h): a word of the texels
     uint lightTreeLevels;  // choices from the root to a light at most; 0: no tree
     uint listedLights;     // lights before those in the tree: asked one by one
+    uint lampTree;         // the same for glowing triangles (scene/light/emitters.h)
+    uint lampTreeLevels;   // 0: no tree, they are chosen by power alone
+    uint lampTrails;       // word i: the parts that lead to entry i of emitterTable, LAMP_TRAIL_BITS a level from the root on
+    uint glassTable;       // of glassLoss, where there is rough glass
     vec4 backdrop;         // seen behind the scene in the place of the image: w < 0, rgb radiance; w > 0, the image blurred by a
                            // cone of so many radians; 0, the image itself
 };
@@ -204,9 +208,11 @@ UINT_CONSTANT(FILTERED_LEVELS, 10u)  // level i of Environment.filtered: the lob
 UINT_CONSTANT(LIGHT_TABLE_WORDS, 3u)
 UINT_CONSTANT(EMITTER_TABLE_WORDS, 4u)
 UINT_CONSTANT(MOST_LISTED_LIGHTS, 32u)      // with a place; more stand in a tree
+UINT_CONSTANT(MOST_LISTED_LAMPS, 64u)       // glowing triangles; more stand in a tree
+UINT_CONSTANT(LAMP_TRAIL_BITS, 3u)
 UINT_CONSTANT(LIGHT_TREE_WIDTH, 8u)         // parts of a node
 UINT_CONSTANT(LIGHT_TREE_WORDS, 12u)        // of a part: ball, cone of directions, strength and what it leads to
-UINT_CONSTANT(LIGHT_TREE_LEAF, 0x80000000u) // the part is one light, whose Light begins at that word
+UINT_CONSTANT(LIGHT_TREE_LEAF, 0x80000000u) // the part is one light, whose words begin there
 
 // A pinhole camera, ready for the kernel. Pixel (x, y) looks along forward + sx * right + sy * up, 64 bytes.
 struct KernelCamera {

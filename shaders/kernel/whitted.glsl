@@ -22,6 +22,7 @@ vec3 straightThrough(IN(Surface) s, IN(Shading) m, vec3 direction, float ior) {
     if (HAS(EFFECT_REFRACTIONS)) {
         float cosT;
         float f = fresnelDielectric(abs(dot(s.normal, direction)), 1.0f / ior, cosT);
+        f = SELECT((m.flags & MATERIAL_VOLUME) == 0u, paneReflectance(f), f);
         float reflectance = max(m.mirror, f);
         vec3 clear = m.tint * (m.alpha * m.transmission * (1.0f - reflectance));
         // Paths find what bodies and rough panes bend themselves; only what goes straight on is seen by both.
@@ -212,10 +213,15 @@ vec3 ambientBeside(uint next, IN(Shading) m, vec3 wo, vec3 throughput) {
 vec3 emittedRadiance(IN(Shading) m, vec3 throughput) { return throughput * m.emission * m.alpha; }
 
 // Share of a glowing surface's light that the path brings; rays to sampled lights bring the rest.
-float glowShare(IN(PathState) p, IN(Surface) s) {
+float glowShare(IN(PathState) p, IN(Surface) s, Hit hit) {
     if (!HAS_LAMPS) return 1.0f;
-    float density = emitterDensity(s.material, p.way + max(s.distance, 0.0f), abs(dot(s.geometricNormal, p.direction)));
-    return SELECT(sharesLight(p), balance(p.lobe, density), 1.0f);
+    float share = 1.0f;
+    bool shared_ = sharesLight(p) && MATERIAL(s.material, emission).w > 0.0f;
+    if (ANY(shared_)) {
+        float density = emitterDensity(s, hit, p.direction, p.way + max(s.distance, 0.0f));
+        share = SELECT(shared_, balance(p.lobe, density), 1.0f);
+    }
+    return share;
 }
 
 // How the rays `next` and those that leave by facets share the light of sampled places with rays to those; without the coat.
@@ -295,7 +301,7 @@ Arrival arrive(uvec2 pixel, UNIFORM_UINT sampleIndex, IN(PathState) p, Hit hit, 
     seenFrom(a.shading, a.wo);
     a.shading.facet = reflectingNormal(pixel, sampleIndex, p.salt, a.shading, a.wo);
     a.throughput = arrivingThroughput(p, a.surface);
-    radiance = withFog(radiance + emittedRadiance(a.shading, a.throughput) * glowShare(p, a.surface), p, a.surface);
+    radiance = withFog(radiance + emittedRadiance(a.shading, a.throughput) * glowShare(p, a.surface, hit), p, a.surface);
     a.next = uint(0u);
     if (BOUNCES_DIFFUSE) a.next = indirectRay(pixel, sampleIndex, p, a.surface, a.shading, a.throughput, a.indirect);
     a.ambient = ambientBeside(a.next, a.shading, a.wo, a.throughput);

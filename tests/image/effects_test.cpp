@@ -70,6 +70,7 @@ TEST(Effects, WhatIsNotCalledForWouldChangeNothing) {
         uint64_t impossible = called.has(EFFECT_ENVIRONMENT_IMAGE) ? 0 : EFFECT_ENVIRONMENT_IMAGE;
         if (scenery.scene->tangents.empty()) impossible |= EFFECT_TANGENTS;
         if (scenery.scene->environment.lightTreeLevels == 0) impossible |= EFFECT_MANY_LIGHTS;
+        if (scenery.scene->environment.lampTreeLevels == 0) impossible |= EFFECT_MANY_LAMPS;
         const Picture needed = rendered(scenery, all, {called.bits & allowed.bits});
         const Picture forced = rendered(scenery, all, {allowed.bits & ~impossible});
         ASSERT_EQ(needed.pixels.size(), forced.pixels.size());

@@ -11,6 +11,7 @@
 #include "server/scene/build/scene_draft.h"
 #include "server/scene/light/ambient.h"
 #include "server/scene/light/emitters.h"
+#include "server/scene/light/glass_table.h"
 #include "server/scene/light/environment_tables.h"
 #include "server/scene/light/light_tree.h"
 #include "server/scene/light/studio.h"
@@ -338,6 +339,7 @@ std::shared_ptr<const Scene> SceneBuilder::finish(const Progress& progress) {
     report(progress, "images", 1.0);
     appendLayers(draft);
     buildEnvironments(draft, surroundings);
+    appendGlassTable(scene);
     buildLights(draft, appendEmitters(scene));
     placeParallelCameras(draft);
     checkCameras(draft);

@@ -1,10 +1,13 @@
-// Many lights: a stage under ten strings of a hundred small lamps each; and the same under four lamps that are as bright together.
+// Many lights: a stage under ten strings of a hundred small lamps each; the same under beads that glow themselves; and under four
+// lamps that are as bright together.
 
 #include "server/scene/generate/effect_stage.h"
 #include "server/scene/generate/generate.h"
 #include "server/scene/generate/shapes.h"
 #include "server/scene/generate/sky.h"
 #include "server/scene/generate/surfaces.h"
+
+#include <numbers>
 
 namespace heliograph {
 
@@ -13,7 +16,14 @@ using namespace generate;
 namespace {
 
 constexpr int STRINGS = 10, LAMPS = 100;  // lamps of each string
+constexpr float BULB = 0.018f;                // radius, metres
 constexpr vec3 LAMP{0.130f, 0.100f, 0.062f};  // candela a channel
+constexpr vec3 TINTS[] = {{1.0f, 1.0f, 1.0f}, {1.4f, 0.75f, 0.45f}, {0.7f, 1.05f, 1.5f}};  // of the strings in turn
+
+vec3 onString(int string, int lamp) {
+    const float along = (float(lamp) + 0.5f) / float(LAMPS), off = 2.0f * along - 1.0f;
+    return {5.4f * off, 2.7f + 0.5f * off * off, -2.5f + 0.62f * float(string)};
+}
 
 void addStageThings(SceneBuilder& builder, MeshWriter& writer) {
     writer.setMaterial(builder.addMaterial(matte({0.70f, 0.68f, 0.64f}, 0.95f), "plaster"));
@@ -50,16 +60,27 @@ uint32_t glass(SceneBuilder& builder, const std::string& name, vec3 color) {
 void fillManyLights(SceneBuilder& builder) {
     MeshWriter writer;
     addStageThings(builder, writer);
-    constexpr vec3 TINTS[] = {{1.0f, 1.0f, 1.0f}, {1.4f, 0.75f, 0.45f}, {0.7f, 1.05f, 1.5f}};
     for (int s = 0; s < STRINGS; s++) {
-        const vec3 tint = TINTS[s % 3];
-        writer.setMaterial(glass(builder, "lamps " + std::to_string(s + 1), LAMP * tint));
+        const vec3 candela = LAMP * TINTS[s % 3];
+        writer.setMaterial(glass(builder, "lamps " + std::to_string(s + 1), candela));
+        for (int i = 0; i < LAMPS; i++) addLamp(builder, writer, onString(s, i), BULB, candela);
+    }
+    finishStage(builder, writer, {0.010f, 0.012f, 0.020f});
+}
+
+void fillGlowingBeads(SceneBuilder& builder) {
+    MeshWriter writer;
+    addStageThings(builder, writer);
+    for (int s = 0; s < STRINGS; s++) {
+        Material bead = matte(vec3(0.0f), 1.0f);
+        bead.emission = vec4(LAMP * TINTS[s % 3] / (std::numbers::pi_v<float> * BULB * BULB), 0.0f);
+        writer.setMaterial(builder.addMaterial(bead, "beads " + std::to_string(s + 1)));
         for (int i = 0; i < LAMPS; i++) {
-            const float along = (float(i) + 0.5f) / float(LAMPS), off = 2.0f * along - 1.0f;
-            const vec3 place(5.4f * off, 2.7f + 0.5f * off * off, -2.5f + 0.62f * float(s));
-            addLamp(builder, writer, place, 0.018f, LAMP * tint);
+            writer.setTransform(placed(onString(s, i)));
+            addSphere(writer, BULB, 4, 2);
         }
     }
+    builder.addLight(pointLight({-4.0f, 6.0f, 8.0f}, {1.0f, 1.3f, 2.0f}));  // a little moonlight
     finishStage(builder, writer, {0.010f, 0.012f, 0.020f});
 }
 

@@ -2,9 +2,13 @@
 
 #include "server/scene/light/alias_table.h"
 #include "server/scene/build/image_pyramid.h"
+#include "server/scene/light/light_tree.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace heliograph {
@@ -36,13 +40,47 @@ double glowOf(const Scene& scene, const Material& m) {
     return double(LUMINANCE_RED) * mean.x + double(LUMINANCE_GREEN) * mean.y + double(LUMINANCE_BLUE) * mean.z;
 }
 
-double areaOf(const Scene& scene, const Instance& instance, uvec4 triangle) {
+std::array<vec3, 3> cornersOf(const Scene& scene, const Instance& instance, uvec4 triangle) {
     const auto world = [&](uint32_t vertex) {
         const vec4 p(vec3(scene.positions[vertex]), 1.0f);
         return vec3(glm::dot(instance.toWorld0, p), glm::dot(instance.toWorld1, p), glm::dot(instance.toWorld2, p));
     };
-    const vec3 a = world(triangle.x);
-    return 0.5 * glm::length(glm::cross(world(triangle.y) - a, world(triangle.z) - a));
+    return {world(triangle.x), world(triangle.y), world(triangle.z)};
+}
+
+double areaOf(const std::array<vec3, 3>& corners) {
+    return 0.5 * glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+}
+
+/// Both of its sides shine.
+LightBounds boundsOf(const std::array<vec3, 3>& corners, double power) {
+    LightBounds r;
+    r.low = glm::min(glm::min(corners[0], corners[1]), corners[2]);
+    r.high = glm::max(glm::max(corners[0], corners[1]), corners[2]);
+    r.cone.halfAngle = std::numbers::pi;
+    r.beyond = 0.5 * std::numbers::pi;
+    r.intensity = power;
+    r.reach = std::numeric_limits<double>::infinity();
+    return r;
+}
+
+/// Writes the tree of the glowing triangles at `places`, entries of the emitter table in that order.
+void appendLampTree(Scene& scene, const std::vector<uvec2>& places, const std::vector<double>& powers) {
+    if (places.size() <= MOST_LISTED_LAMPS) return;
+    std::vector<TreeLight> lamps;
+    lamps.reserve(places.size());
+    for (uint32_t i = 0; i < places.size(); i++) {
+        const Instance& instance = scene.instances[places[i].x];
+        const uvec4 triangle = scene.triangles[scene.meshes[instance.mesh].firstTriangle + places[i].y];
+        lamps.push_back({boundsOf(cornersOf(scene, instance, triangle), powers[i]), i});
+    }
+    constexpr uint32_t MOST_LEVELS = 32 / LAMP_TRAIL_BITS;
+    Environment& environment = scene.environment;
+    const LightTree tree = writeLightTree(scene.texels, lamps, {environment.emitterTable, EMITTER_TABLE_WORDS}, MOST_LEVELS);
+    environment.lampTree = tree.root;
+    environment.lampTreeLevels = tree.levels;
+    environment.lampTrails = static_cast<uint32_t>(scene.texels.size());
+    scene.texels.insert(scene.texels.end(), tree.trails.begin(), tree.trails.end());
 }
 
 }  // namespace
@@ -64,7 +102,7 @@ float appendEmitters(Scene& scene) {
         for (uint32_t t = 0; t < mesh.triangleCount; t++) {
             const uvec4 triangle = scene.triangles[mesh.firstTriangle + t];
             if (!(glow[triangle.w] > 0.0)) continue;
-            const double power = glow[triangle.w] * areaOf(scene, scene.instances[i], triangle);
+            const double power = glow[triangle.w] * areaOf(cornersOf(scene, scene.instances[i], triangle));
             if (!(power > 0.0) || !std::isfinite(power)) continue;
             powers.push_back(power);
             places.emplace_back(i, t);
@@ -84,6 +122,7 @@ float appendEmitters(Scene& scene) {
     for (size_t i = 0; i < table.size(); i++)
         for (uint32_t word : {std::bit_cast<uint32_t>(table[i].threshold), table[i].alias, places[i].x, places[i].y})
             scene.texels.push_back(word);
+    appendLampTree(scene, places, powers);
     // Each side sends pi times its luminance; spread over the sphere of the scene's radius.
     const double radius = scene.bounds.radius();
     return static_cast<float>(2.0 * sum / (4.0 * radius * radius));

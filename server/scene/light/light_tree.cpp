@@ -1,7 +1,5 @@
 #include "server/scene/light/light_tree.h"
 
-#include "server/scene/light/light_bounds.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -16,14 +14,10 @@ namespace heliograph {
 namespace {
 
 constexpr size_t BINS = 16;
-constexpr uint32_t MEDIAN_FROM = 6;  // levels; from there on parts are halved by number, so that no tree is deep
+constexpr uint32_t MEDIAN_FROM = 6;   // levels; from there on parts are halved by number, so that no tree is deep
+constexpr uint32_t MOST_LEVELS = 16;  // of a tree of lights
 constexpr uint32_t LIGHT_WORDS = sizeof(Light) / 4;
 constexpr double WEAKEST = 1e-30;  // of all intensity: no less, so that its root stays a float
-
-struct TreeLight {
-    LightBounds bounds;
-    uint32_t index = 0;  // of Scene::lights
-};
 
 using Lights = std::span<TreeLight>;
 
@@ -71,7 +65,7 @@ void findSplit(Lights lights, int axis, double low, double high, Split& best) {
 }
 
 /// Parts `lights` in two, both with some; returns how many are in the first.
-size_t splitInTwo(Lights lights, uint32_t level) {
+size_t splitInTwo(Lights lights, bool bySpace) {
     dvec3 low(std::numeric_limits<double>::infinity()), high = -low;
     for (const TreeLight& light : lights) {
         low = glm::min(low, light.bounds.middle());
@@ -80,7 +74,7 @@ size_t splitInTwo(Lights lights, uint32_t level) {
     const dvec3 size = high - low;
     const int longest = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     Split best;
-    for (int axis = 0; axis < 3 && level < MEDIAN_FROM; axis++)
+    for (int axis = 0; axis < 3 && bySpace; axis++)
         if (size[axis] > 0.0) findSplit(lights, axis, low[axis], high[axis], best);
     if (std::isfinite(best.cost)) {
         const auto first = std::partition(lights.begin(), lights.end(), [&](const TreeLight& light) {
@@ -99,48 +93,56 @@ size_t splitInTwo(Lights lights, uint32_t level) {
 
 class TreeWriter {
 public:
-    TreeWriter(std::vector<uint32_t>& words, uint32_t firstLight, uint32_t firstIndex, double intensity)
-        : words_(words), firstLight_(firstLight), firstIndex_(firstIndex), intensity_(intensity) {}
+    TreeWriter(std::vector<uint32_t>& words, LightWords light, double intensity, uint32_t medianFrom, size_t lights)
+        : words_(words), light_(light), intensity_(intensity), medianFrom_(medianFrom), trails_(lights) {}
 
-    /// Appends a node of these lights and all below it; returns its first word.
-    uint32_t write(Lights lights, uint32_t level) {
+    /// Appends a node of these lights and all below it; returns its first word. `trail`: the parts that led to it.
+    uint32_t write(Lights lights, uint32_t level, uint32_t trail) {
         levels_ = std::max(levels_, level + 1);
-        const std::vector<Lights> parts = partsOf(lights, level);
+        const std::vector<Lights> parts = partsOf(lights, level < medianFrom_);
         const auto node = static_cast<uint32_t>(words_.size());
         words_.resize(words_.size() + size_t(LIGHT_TREE_WIDTH) * LIGHT_TREE_WORDS, 0u);
         for (size_t i = 0; i < LIGHT_TREE_WIDTH; i++) {
             const size_t at = node + i * LIGHT_TREE_WORDS;
             if (i >= parts.size()) {
-                words_[at + 11] = LIGHT_TREE_LEAF | firstLight_;  // never chosen
+                words_[at + 11] = LIGHT_TREE_LEAF | light_.first;  // never chosen
                 continue;
             }
             putBounds(at, boundsOf(parts[i]));
-            const uint32_t next = parts[i].size() == 1
-                                      ? LIGHT_TREE_LEAF | (firstLight_ + (parts[i][0].index - firstIndex_) * LIGHT_WORDS)
-                                      : write(parts[i], level + 1);
+            const uint32_t shift = level * LAMP_TRAIL_BITS;
+            const uint32_t way = shift < 32 ? trail | static_cast<uint32_t>(i) << shift : trail;
+            const uint32_t next = parts[i].size() == 1 ? leaf(parts[i][0].index, way) : write(parts[i], level + 1, way);
             words_[at + 11] = next;
         }
         return node;
     }
 
     uint32_t levels() const { return levels_; }
+    std::vector<uint32_t> takeTrails() { return std::move(trails_); }
 
 private:
-    /// Up to LIGHT_TREE_WIDTH parts in the order of space: the one that costs most is split until there are so many.
-    static std::vector<Lights> partsOf(Lights lights, uint32_t level) {
+    uint32_t leaf(uint32_t index, uint32_t trail) {
+        trails_[index] = trail;
+        return LIGHT_TREE_LEAF | (light_.first + index * light_.count);
+    }
+
+    /// Up to LIGHT_TREE_WIDTH parts in the order of space: the one that costs most, or by number the one of most lights, is split
+    /// until there are so many.
+    static std::vector<Lights> partsOf(Lights lights, bool bySpace) {
         std::vector<Lights> parts{lights};
         std::vector<double> costs{0.0};
         while (parts.size() < LIGHT_TREE_WIDTH) {
             ptrdiff_t dearest = -1;
             for (size_t i = 0; i < parts.size(); i++) {
                 if (parts[i].size() < 2) continue;
+                if (!bySpace) costs[i] = double(parts[i].size());
                 const bool dearer = dearest < 0 || costs[i] > costs[size_t(dearest)] ||
                                     (costs[i] == costs[size_t(dearest)] && parts[i].size() > parts[size_t(dearest)].size());
                 if (dearer) dearest = static_cast<ptrdiff_t>(i);
             }
             if (dearest < 0) break;
             const Lights whole = parts[size_t(dearest)];
-            const size_t first = splitInTwo(whole, level);
+            const size_t first = splitInTwo(whole, bySpace);
             parts[size_t(dearest)] = whole.first(first);
             costs[size_t(dearest)] = boundsOf(whole.first(first)).cost();
             parts.insert(parts.begin() + dearest + 1, whole.subspan(first));
@@ -165,12 +167,34 @@ private:
     }
 
     std::vector<uint32_t>& words_;
-    uint32_t firstLight_, firstIndex_;
+    LightWords light_;
     double intensity_;
+    uint32_t medianFrom_;
+    std::vector<uint32_t> trails_;
     uint32_t levels_ = 0;
 };
 
+/// Levels of a tree of that many lights whose parts are halved by number.
+uint32_t levelsByNumber(size_t lights) {
+    uint32_t levels = 1;
+    for (size_t held = LIGHT_TREE_WIDTH; held < lights; held *= LIGHT_TREE_WIDTH) levels++;
+    return levels;
+}
+
 }  // namespace
+
+LightTree writeLightTree(std::vector<uint32_t>& texels, std::vector<TreeLight>& lights, LightWords words, uint32_t mostLevels) {
+    double intensity = 0.0;
+    for (const TreeLight& light : lights) intensity += light.bounds.intensity;
+    const uint32_t needed = levelsByNumber(lights.size());
+    const uint32_t medianFrom = std::min(MEDIAN_FROM, mostLevels > needed ? mostLevels - needed : 0u);
+    TreeWriter writer(texels, words, intensity, medianFrom, lights.size());
+    LightTree tree;
+    tree.root = writer.write(lights, 0, 0);
+    tree.levels = writer.levels();
+    tree.trails = writer.takeTrails();
+    return tree;
+}
 
 void appendLightTree(Scene& scene) {
     const double radius = scene.bounds.radius();
@@ -184,18 +208,16 @@ void appendLightTree(Scene& scene) {
     Environment& environment = scene.environment;
     environment.listedLights = static_cast<uint32_t>(first - scene.lights.begin());
     std::vector<TreeLight> lights;
-    double intensity = 0.0;
     const auto firstLight = static_cast<uint32_t>(scene.texels.size());
     for (uint32_t i = 0; i < count; i++) {
         const Light& light = scene.lights[environment.listedLights + i];
-        lights.push_back({boundsOf(light, radius), environment.listedLights + i});
-        intensity += lights.back().bounds.intensity;
+        lights.push_back({boundsOf(light, radius), i});
         const auto words = std::bit_cast<std::array<uint32_t, LIGHT_WORDS>>(light);
         scene.texels.insert(scene.texels.end(), words.begin(), words.end());
     }
-    TreeWriter writer(scene.texels, firstLight, environment.listedLights, intensity);
-    environment.lightTree = writer.write(lights, 0);
-    environment.lightTreeLevels = writer.levels();
+    const LightTree tree = writeLightTree(scene.texels, lights, {firstLight, LIGHT_WORDS}, MOST_LEVELS);
+    environment.lightTree = tree.root;
+    environment.lightTreeLevels = tree.levels;
 }
 
 }  // namespace heliograph

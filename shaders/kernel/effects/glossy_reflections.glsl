@@ -72,11 +72,3 @@ float facetShare(IN(Shading) m, vec3 wo) {
     if (HAS_LAYER(EFFECT_ANISOTROPY)) share = SELECT(isBrushed(m), facetShareAlong(m, wo), share);
     return share;
 }
-
-// Share of what goes through a rough surface that its other facets let go on, under `cosine` on the far side: G1. 1 for a
-// smooth one. Walter et al., "Microfacet Models for Refraction through Rough Surfaces" (2007).
-float throughShare(IN(Shading) m, float cosine) {
-    float a = SELECT((m.flags & MATERIAL_PHONG) == 0u && m.roughness > 0.0f, lobeWidth(m.roughness), 0.0f);
-    float c = max(cosine, 1.0e-4f);
-    return 2.0f * c / (c + sqrt(a * a + (1.0f - a * a) * c * c));
-}

@@ -24,7 +24,7 @@ struct LightPart {
 };
 
 struct ChosenLight {
-    uint light;    // first word of its Light
+    uint light;    // its first word
     float chance;  // of its choice; 0: none shines there
 };
 
@@ -83,56 +83,67 @@ LightPart lightPartAt(uint at, IN(LightWay) way, UNIFORM_UINT surface) {
     return r;
 }
 
-// The part of a node that `u` in [0, 1) chooses. `u` becomes the place in it, `chance` is multiplied by that of the choice.
-uint chosenPart(uint node, IN(LightWay) way, UNIFORM_UINT surface, INOUT(float) u, INOUT(float) chance) {
+// The parts of a node: what each of them may bring, of the strongest, and where it leads.
+struct LightParts {
     float weight[LIGHT_TREE_WIDTH];
-    float facing[LIGHT_TREE_WIDTH];
     uint next[LIGHT_TREE_WIDTH];
+    float sum;
+};
+
+LightParts lightPartsAt(uint node, IN(LightWay) way, UNIFORM_UINT surface) {
+    LightParts r;
+    float facing[LIGHT_TREE_WIDTH];
     float most = 0.0f;
     for (UNIFORM_UINT i = 0u; i < LIGHT_TREE_WIDTH; i++) {
         LightPart part = lightPartAt(node + i * LIGHT_TREE_WORDS, way, surface);
-        weight[i] = part.strength;
+        r.weight[i] = part.strength;
         facing[i] = part.facing;
-        next[i] = part.next;
+        r.next[i] = part.next;
         most = max(most, SELECT(part.facing > 0.0f, part.strength, 0.0f));
     }
     // Shares of the strongest: squares of lengths and strengths of any size stay within float.
     float scale = 1.0f / SELECT(most > 0.0f, most, 1.0f);
-    float sum = 0.0f;
+    r.sum = 0.0f;
     for (UNIFORM_UINT i = 0u; i < LIGHT_TREE_WIDTH; i++) {
-        float share = min(weight[i] * scale, 1.0f);
-        weight[i] = share * share * facing[i];
-        sum = sum + weight[i];
+        float share = min(r.weight[i] * scale, 1.0f);
+        r.weight[i] = share * share * facing[i];
+        r.sum = r.sum + r.weight[i];
     }
-    float at = u * sum;
+    return r;
+}
+
+// The part of a node that `u` in [0, 1) chooses. `u` becomes the place in it, `chance` is multiplied by that of the choice.
+uint chosenPart(uint node, IN(LightWay) way, UNIFORM_UINT surface, INOUT(float) u, INOUT(float) chance) {
+    LightParts parts = lightPartsAt(node, way, surface);
+    float at = u * parts.sum;
     float before = 0.0f;
     float own = 0.0f;
     float start = 0.0f;
     uint chosen = uint(LIGHT_TREE_LEAF);
     for (UNIFORM_UINT i = 0u; i < LIGHT_TREE_WIDTH; i++) {
-        bool reaches = weight[i] > 0.0f && before <= at;
-        chosen = SELECT(reaches, next[i], chosen);
-        own = SELECT(reaches, weight[i], own);
+        bool reaches = parts.weight[i] > 0.0f && before <= at;
+        chosen = SELECT(reaches, parts.next[i], chosen);
+        own = SELECT(reaches, parts.weight[i], own);
         start = SELECT(reaches, before, start);
-        before = before + weight[i];
+        before = before + parts.weight[i];
     }
     bool some = own > 0.0f;
     u = min(max((at - start) / SELECT(some, own, 1.0f), 0.0f), 0.99999994f);
-    chance = SELECT(some, chance * (own / SELECT(some, sum, 1.0f)), 0.0f);
+    chance = SELECT(some, chance * (own / SELECT(some, parts.sum, 1.0f)), 0.0f);
     return chosen;
 }
 
-// One of the lights in the tree, by `number` in [0, 1).
-ChosenLight chosenLight(IN(LightWay) way, UNIFORM_UINT surface, float number) {
+// One of the lights in the tree at word `root`, by `number` in [0, 1).
+ChosenLight chosenFrom(UNIFORM_UINT root, UNIFORM_UINT levels, IN(LightWay) way, UNIFORM_UINT surface, float number) {
     float u = number;
     float chance = 1.0f;
-    uint at = uint(ENVIRONMENT.lightTree);
-    for (UNIFORM_UINT level = 0u; level < ENVIRONMENT.lightTreeLevels; level++) {
+    uint at = uint(root);
+    for (UNIFORM_UINT level = 0u; level < levels; level++) {
         bool open = (at & LIGHT_TREE_LEAF) == 0u;
         if (ANY(open)) {
             float rest = u;
             float both = chance;
-            uint next = chosenPart(SELECT(open, at, uint(ENVIRONMENT.lightTree)), way, surface, rest, both);
+            uint next = chosenPart(SELECT(open, at, uint(root)), way, surface, rest, both);
             at = SELECT(open, next, at);
             u = SELECT(open, rest, u);
             chance = SELECT(open, both, chance);
@@ -140,8 +151,13 @@ ChosenLight chosenLight(IN(LightWay) way, UNIFORM_UINT surface, float number) {
     }
     ChosenLight r;
     r.chance = SELECT(chance > 0.0f, chance, 0.0f);
-    r.light = SELECT(r.chance > 0.0f, at & ~LIGHT_TREE_LEAF, uint(ENVIRONMENT.lightTree));  // words that are there
+    r.light = SELECT(r.chance > 0.0f, at & ~LIGHT_TREE_LEAF, uint(root));  // words that are there
     return r;
+}
+
+// One of the scene's many lights.
+ChosenLight chosenLight(IN(LightWay) way, UNIFORM_UINT surface, float number) {
+    return chosenFrom(ENVIRONMENT.lightTree, ENVIRONMENT.lightTreeLevels, way, surface, number);
 }
 
 // What chooses the light of ray `number` of a pixel and a vertex of its path.

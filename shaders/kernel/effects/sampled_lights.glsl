@@ -96,8 +96,16 @@ vec3 glowAt(uvec4 corners, float w, float u, float v) {
 
 LightPlace emitterPlaceAt(vec4 u, vec3 point) {
     LightPlace r;
-    uint entry = chosenEntry(ENVIRONMENT.emitterTable, EMITTER_TABLE_WORDS, ENVIRONMENT.emitterCount, u.x, u.y);
-    uint at = ENVIRONMENT.emitterTable + entry * EMITTER_TABLE_WORDS;
+    uint at;
+    float chance = 1.0f;
+    if (HAS_LAYER(EFFECT_MANY_LAMPS)) {
+        ChosenLight chosen = chosenLamp(point, u.x);
+        chance = chosen.chance;
+        at = SELECT(chance > 0.0f, chosen.light, uint(ENVIRONMENT.emitterTable));
+    } else {
+        uint entry = chosenEntry(ENVIRONMENT.emitterTable, EMITTER_TABLE_WORDS, ENVIRONMENT.emitterCount, u.x, u.y);
+        at = ENVIRONMENT.emitterTable + entry * EMITTER_TABLE_WORDS;
+    }
     uint instance = TEXEL(at + 2u);
     uvec4 corners = TRIANGLE(INSTANCE(instance, firstTriangle) + TEXEL(at + 3u));
     vec3 a = worldPoint(instance, corners.x);
@@ -111,15 +119,24 @@ LightPlace emitterPlaceAt(vec4 u, vec3 point) {
     vec3 facing = cross(edge1, edge2);
     r.distance = sqrt(d2);
     r.direction = offset * (1.0f / SELECT(r.distance > 0.0f, r.distance, 1.0f));
-    float cosine = abs(dot(facing, r.direction)) / max(sqrt(dot(facing, facing)), 1.0e-30f);
+    float twiceArea = max(sqrt(dot(facing, facing)), 1.0e-30f);
+    float cosine = abs(dot(facing, r.direction)) / twiceArea;
     r.radiance = glowAt(corners, 1.0f - b - c, b, c);
-    r.density = SELECT(cosine > 1.0e-5f, MATERIAL(corners.w, emission).w * d2 / max(cosine, 1.0e-5f), 0.0f);
+    float perArea = MATERIAL(corners.w, emission).w;
+    if (HAS_LAYER(EFFECT_MANY_LAMPS)) perArea = chance * 2.0f / twiceArea;
+    r.density = SELECT(cosine > 1.0e-5f, perArea * d2 / max(cosine, 1.0e-5f), 0.0f);
     return r;
 }
 
-// Density with which emitterPlaceAt chooses what a path meets `way` metres after its last bounce, under `cosine`.
-float emitterDensity(uint material, float way, float cosine) {
-    return MATERIAL(material, emission).w * way * way / max(cosine, 1.0e-5f);
+// Density with which emitterPlaceAt chooses what a path meets in `direction`, `way` metres after its last bounce.
+float emitterDensity(IN(Surface) s, Hit hit, vec3 direction, float way) {
+    float perArea = MATERIAL(s.material, emission).w;
+    if (HAS_LAYER(EFFECT_MANY_LAMPS)) {
+        vec3 facing = cross(s.edge1, s.edge2);
+        float chance = lampChance(s.position - direction * way, hit.instance, hit.primitive);
+        perArea = chance * 2.0f / max(sqrt(dot(facing, facing)), 1.0e-30f);
+    }
+    return perArea * way * way / max(abs(dot(s.geometricNormal, direction)), 1.0e-5f);
 }
 
 // ---- light of both ----
