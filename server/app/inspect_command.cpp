@@ -7,6 +7,7 @@
 #include "server/request/effect_rules.h"
 #include "server/request/settings.h"
 #include "server/scene/load/scene_source.h"
+#include "server/scene/shape.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -76,7 +77,7 @@ void printForPeople(const Scene& scene, const nlohmann::ordered_json& json, std:
         return std::string(text);
     };
     out << oneLine(json["scene"].get<std::string>()) << "\n";
-    for (const char* key : {"triangles", "instances", "materials", "lights", "textures"}) row(key, json[key].dump());
+    for (const char* key : {"triangles", "shapes", "instances", "materials", "lights", "textures"}) row(key, json[key].dump());
     char size[64];
     std::snprintf(size, sizeof size, "%.1f MB", static_cast<double>(scene.bytes()) / 1e6);
     row("memory", size);
@@ -119,6 +120,7 @@ nlohmann::ordered_json inspection(const Scene& scene, const std::string& name, d
     }
     return {{"scene", name},
             {"triangles", scene.triangleCount()},
+            {"shapes", std::ranges::count_if(scene.instances, isShape)},
             {"instances", scene.instances.size()},
             {"materials", usedMaterials(scene)},
             {"lights", scene.lights.size()},

@@ -53,6 +53,6 @@ constexpr uint64_t askedOfHas() {
 /// What pictures of guides (shaders/denoise/guides.glsl) have of a scene's effects: those that say what surfaces look like.
 constexpr uint64_t GUIDE_EFFECTS = EFFECT_GUIDES | EFFECT_TEXTURES | EFFECT_NORMAL_MAPS | EFFECT_VERTEX_COLORS |
                                    EFFECT_ALPHA_MASK | EFFECT_ALPHA_BLEND | EFFECT_EMISSION | EFFECT_INSTANCING |
-                                   EFFECT_TANGENTS | EFFECT_SECOND_UV | EFFECT_REFRACTIONS;
+                                   EFFECT_TANGENTS | EFFECT_SECOND_UV | EFFECT_REFRACTIONS | EFFECT_SHAPES;
 
 }  // namespace heliograph

@@ -31,6 +31,8 @@ void checkGeometry(const Scene& scene) {
     for (const Instance& instance : scene.instances) {
         expect(instance.mesh < scene.meshes.size());
         expect(instance.firstTriangle == scene.meshes[instance.mesh].firstTriangle);
+        // Where a ray enters and where it leaves a shape are two numbers of triangles.
+        expect((instance.flags & INSTANCE_SHAPE) == 0 || scene.meshes[instance.mesh].triangleCount >= 2);
     }
 }
 

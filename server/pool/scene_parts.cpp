@@ -59,6 +59,7 @@ SceneParts::SceneParts(std::shared_ptr<const Scene> scene) : scene_(std::move(sc
     writer.put(SCENE_MAGIC);
     writer.text(scene_->name);
     write(writer, scene_->bounds);
+    writer.put(scene_->farthestSurface);
     writer.put(scene_->nestedBodies);
     writer.put(static_cast<uint32_t>(scene_->bodyBounds.size()));
     for (const Bounds& bounds : scene_->bodyBounds) write(writer, bounds);
@@ -106,6 +107,7 @@ Scene sceneOf(std::span<const uint8_t> bytes) {
     Scene scene;
     scene.name = reader.text();
     scene.bounds = readBounds(reader);
+    scene.farthestSurface = reader.get<float>();
     scene.nestedBodies = reader.get<uint32_t>();
     scene.bodyBounds.resize(reader.count(sizeof(Bounds)));
     for (Bounds& bounds : scene.bodyBounds) bounds = readBounds(reader);

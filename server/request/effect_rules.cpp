@@ -2,6 +2,7 @@
 
 #include "server/base/text.h"
 #include "server/scene/material_layers.h"
+#include "server/scene/shape.h"
 
 #include <algorithm>
 #include <array>
@@ -27,22 +28,24 @@ struct Usage {
     explicit Usage(const Scene& s)
         : scene(s), trianglesOf(s.materials.size(), 0), coloured(s.materials.size(), false), met(s.materials.size(), 0) {
         std::vector<uint64_t> uses(s.meshes.size(), 0);
-        for (const Instance& instance : s.instances) uses[instance.mesh]++;
-        for (size_t m = 0; m < s.meshes.size(); m++) {
-            if (uses[m] > 0) add(s.meshes[m], uses[m]);
+        for (const Instance& instance : s.instances) {
+            if (isShape(instance)) add(s.meshes[instance.mesh], 1, 1);
+            else uses[instance.mesh]++;
         }
+        for (size_t m = 0; m < s.meshes.size(); m++)
+            if (uses[m] > 0) add(s.meshes[m], s.meshes[m].triangleCount, uses[m]);
         for (size_t m = 0; m < s.materials.size(); m++)
             lit |= trianglesOf[m] > 0 && (s.materials[m].flags & MATERIAL_UNLIT) == 0;
     }
 
 private:
-    void add(const Mesh& mesh, uint64_t uses) {
+    void add(const Mesh& mesh, uint32_t count, uint64_t uses) {
         auto white = [&](uint32_t vertex) { return scene.attributes[vertex].color == 0xffffffffu; };
         uint8_t kinds = mesh.hasTangents != 0 ? MET_TANGENTS : 0;
         if (mesh.opacity == OPACITY_MASKED) kinds |= MET_MASKED;
         if (mesh.opacity == OPACITY_TRANSPARENT) kinds |= MET_TRANSPARENT;
-        triangles += uses * mesh.triangleCount;
-        for (uint32_t t = 0; t < mesh.triangleCount; t++) {
+        triangles += uses * count;
+        for (uint32_t t = 0; t < count; t++) {
             const uvec4 triangle = scene.triangles[mesh.firstTriangle + t];
             trianglesOf[triangle.w] += uses;
             met[triangle.w] |= kinds;
@@ -311,7 +314,6 @@ Finding roughGlass(const Usage& usage) {
 }
 
 Finding path(const Usage& usage) { return onLitSurfaces(usage); }
-
 Finding tangents(const Usage& usage) {
     return byMaterial(usage, "no normal or bump image and no anisotropy on a mesh with tangents", [&](uint32_t m) {
         const MaterialLayers l = layersOf(usage.scene, usage.scene.materials[m]);
@@ -327,6 +329,16 @@ Finding instancing(const Usage& usage) {
     if (placed == 0) return {false, "every mesh stands where its vertices say"};
     return {true, counted(static_cast<uint64_t>(placed), "placed instance") + ", " +
                       counted(usage.scene.triangles.size(), "stored triangle")};
+}
+
+Finding shapes(const Usage& usage) {
+    std::vector<std::string> kinds;
+    for (uint32_t kind = 0; kind < 4; kind++) {
+        const auto isOf = [&](const Instance& i) { return isShape(i) && shapeKindOf(i) == kind; };
+        const auto count = static_cast<uint64_t>(std::ranges::count_if(usage.scene.instances, isOf));
+        if (count > 0) kinds.push_back(counted(count, shapeName(kind)));
+    }
+    return {!kinds.empty(), kinds.empty() ? "no shape that a formula describes" : joined(kinds)};
 }
 
 Finding reflections(const Usage& usage) {

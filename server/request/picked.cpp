@@ -1,5 +1,7 @@
 #include "server/request/picked.h"
 
+#include "server/scene/shape.h"
+
 namespace heliograph {
 
 namespace {
@@ -37,7 +39,12 @@ Picked pickedAt(const Scene& scene, const ViewRay& ray, double depth, uint32_t i
     const uvec4 corners = scene.triangles[index];
     picked.object = scene.objects.of(instance, index);
     if (corners.w < scene.materialNames.size()) picked.material = scene.materialNames[corners.w];
-    picked.normal = normalOf(scene, met, corners, ray.direction);
+    if (isShape(met)) {
+        const dvec3 outward = shapeNormal(met, picked.position);
+        picked.normal = glm::dot(outward, ray.direction) > 0.0 ? -outward : outward;
+    } else {
+        picked.normal = normalOf(scene, met, corners, ray.direction);
+    }
     return picked;
 }
 

@@ -1,5 +1,7 @@
 #include "server/scene/media_at.h"
 
+#include "server/scene/shape.h"
+
 #include <algorithm>
 #include <array>
 
@@ -42,6 +44,11 @@ uint32_t mediaAt(const Scene& scene, vec3 point) {
     std::array<int, 128> turns{};  // by number of the medium
     for (const Instance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[instance.mesh];
+        if (isShape(instance)) {
+            const uint32_t medium = scene.materials[scene.triangles[mesh.firstTriangle].w].medium;
+            if (medium != 0 && holdsPoint(instance, point)) turns[medium & 127u]++;
+            continue;
+        }
         const auto world = [&](uint32_t vertex) {
             const dvec3 p(scene.positions[vertex].x, scene.positions[vertex].y, scene.positions[vertex].z);
             const auto along = [&](vec4 row) { return row.x * p.x + row.y * p.y + row.z * p.z + row.w; };

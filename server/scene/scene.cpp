@@ -18,12 +18,13 @@ float Scene::rayReach() const {
     Bounds range = cameraRange();
     if (!bounds.empty()) range.grow(bounds.low), range.grow(bounds.high);
     const vec3 farthest = glm::max(glm::abs(range.low), glm::abs(range.high));
-    return farthest.x + farthest.y + farthest.z;
+    return std::max(farthest.x + farthest.y + farthest.z, farthestSurface);
 }
 
 uint64_t Scene::triangleCount() const {
     uint64_t count = 0;
-    for (const Instance& instance : instances) count += meshes[instance.mesh].triangleCount;
+    for (const Instance& instance : instances)
+        if ((instance.flags & INSTANCE_SHAPE) == 0) count += meshes[instance.mesh].triangleCount;
     return count;
 }
 

@@ -104,7 +104,8 @@ public:
     AtRest atRest;
     Variants variants;
     std::vector<FileExtension> extensions;  // of its format, as the file lists them
-    Bounds bounds;                          // world space
+    Bounds bounds;                          // world space; without planes and balls that are ground to the rest
+    float farthestSurface = 0.0f;           // largest |x| + |y| + |z| of shapes
     uint32_t nestedBodies = 0;              // bodies that touch another by their boxes, if there are several media
     std::vector<Bounds> bodyBounds;         // of all bodies, in the world, where some are nested
     float aoRadius = 1.0f;                  // metres: what aoRadius = 1 means in this scene
@@ -120,7 +121,7 @@ public:
     /// The largest |x| + |y| + |z| of a ray's origin: no camera and no surface lies farther out. Every ray within it is finite
     /// in the space of every instance (SceneBuilder sees to that); others are not traced.
     float rayReach() const;
-    /// Triangles over all instances.
+    /// Triangles over all instances; those that stand for shapes are none.
     uint64_t triangleCount() const;
     /// Bytes held by the arrays.
     uint64_t bytes() const;

@@ -46,4 +46,5 @@ EFFECT(36, EFFECT_DIFFUSE_TRANSMISSION, diffuseTransmission, none, 0, none, diff
 EFFECT(37, EFFECT_SUN, sun, sun, 0, sunStrength, onLitSurfaces, spread, "A sun shines from where the viewer puts it, beside the scene's own lights.")
 EFFECT(38, EFFECT_GROUND, ground, ground, 0, none, anywhere, everything, "Ground that shows nothing but the shadows on it, under what would float.")
 EFFECT(39, EFFECT_MANY_LAMPS, manyLamps, manyLights, EFFECT_SURFACE_LIGHTS, none, manyLamps, everything, "Of many glowing triangles that is asked which may bring most, by power and distance.")
+EFFECT(40, EFFECT_SHAPES, shapes, none, 0, none, shapes, everything, "Spheres, cylinders, discs and planes that are met where their formulas say.")
 #undef EFFECT

@@ -143,7 +143,7 @@ float setFacet(INOUT(Surface) s, vec3 reach, float winding, vec3 direction) {
     return scaledArea * square(inverseOfPower(scale));
 }
 
-Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread, Hit hit) {
+Surface triangleAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread, Hit hit) {
     Surface s;
     uint triangle = INSTANCE(hit.instance, firstTriangle) + hit.primitive;
     uvec4 corners = TRIANGLE(triangle);
@@ -201,5 +201,16 @@ Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread
                   + unpackColor(ATTRIBUTE(ic, color), POSITION(ic).w) * bary.v;
     s.tangentSign = 0.0f;
     if (HAS(EFFECT_TANGENTS)) addTangent(s, hit.instance, corners, w, bary.u, bary.v, winding);
+    return s;
+}
+
+#include "effects/shapes.glsl"
+
+Surface surfaceAt(vec3 origin, vec3 direction, float coneWidth, float coneSpread, Hit hit) {
+    Surface s = triangleAt(origin, direction, coneWidth, coneSpread, hit);
+    if (HAS_LAYER(EFFECT_SHAPES)) {
+        bool shape = (INSTANCE(hit.instance, flags) & INSTANCE_SHAPE) != 0u;
+        if (ANY(shape)) setShape(s, shape, origin, direction, coneWidth, coneSpread, hit);
+    }
     return s;
 }

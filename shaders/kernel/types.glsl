@@ -72,7 +72,7 @@ UINT_CONSTANT(OPACITY_OPAQUE, 0u)
 UINT_CONSTANT(OPACITY_MASKED, 1u)       // needs an alpha test
 UINT_CONSTANT(OPACITY_TRANSPARENT, 2u)  // passes light: blend or transmission
 
-// A placed mesh: 3x4 affine rows, 112 bytes. Rows hold (m0, m1, m2, translation).
+// A placed mesh or shape: 3x4 affine rows, 112 bytes. Rows hold (m0, m1, m2, translation).
 struct Instance {
     vec4 toWorld0;
     vec4 toWorld1;
@@ -87,6 +87,15 @@ struct Instance {
 };
 UINT_CONSTANT(INSTANCE_IDENTITY, 1u)  // transform is the identity
 UINT_CONSTANT(INSTANCE_MIRRORED, 2u)  // determinant < 0: winding flips
+UINT_CONSTANT(INSTANCE_SHAPE, 4u)     // no triangles but a formula: see effects/shapes.glsl
+UINT_CONSTANT(SHAPE_POLE, 8u)         // of a sphere: its space begins at a point of its surface, not in its middle
+UINT_CONSTANT(SHAPE_CAPPED, 16u)      // of a cylinder: it is closed
+UINT_CONSTANT(SHAPE_KIND, 32u)        // times SHAPE_*
+UINT_CONSTANT(SHAPE_OPACITY, 128u)    // times OPACITY_*
+UINT_CONSTANT(SHAPE_SPHERE, 0u)
+UINT_CONSTANT(SHAPE_CYLINDER, 1u)
+UINT_CONSTANT(SHAPE_DISC, 2u)
+UINT_CONSTANT(SHAPE_PLANE, 3u)
 
 // One material for MTL and glTF alike, 176 bytes. Texture fields index TextureSlot, NO_INDEX = none.
 struct Material {

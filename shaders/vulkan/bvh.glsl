@@ -141,11 +141,33 @@ void intoInstance(uint instance, INOUT(vec3) origin, INOUT(vec3) direction) {
     direction = vec3(dot(r0.xyz, direction), dot(r1.xyz, direction), dot(r2.xyz, direction));
 }
 
+bool isShape(uint instance) { return (INSTANCE(instance, flags) & INSTANCE_SHAPE) != 0u; }
+
+// What traverse does with the triangles of a leaf, for a shape. True if the ray need go no farther.
+bool shapeStops(uint shape, vec3 origin, vec3 direction, const uint mode, INOUT(float) closest, INOUT(Hit) hit, INOUT(uint) found) {
+    uint opacity = (INSTANCE(shape, flags) >> 7) & 3u;
+    vec2 ends = shapeDistances(shape, origin, direction);
+    for (uint i = 0u; i < 2u; i++) {
+        float t = i == 0u ? ends.x : ends.y;
+        if (!(t > 0.0f && t < closest)) continue;
+        if (mode == TRACE_TRANSPARENT && opacity != OPACITY_TRANSPARENT) continue;
+        if (mode == TRACE_ANY && opacity == OPACITY_TRANSPARENT) {
+            found |= FOUND_TRANSPARENT;
+            continue;
+        }
+        Hit candidate = Hit(shape, i);
+        if (HAS(EFFECT_ALPHA_MASK) && mode != TRACE_TRANSPARENT && opacity == OPACITY_MASKED && BVH_HOLE(candidate)) continue;
+        if (mode == TRACE_ANY) return true;
+        closest = t;
+        hit = candidate;
+    }
+    return false;
+}
+
 // Follows a ray from its origin up to tMax. TRACE_CLOSEST and TRACE_TRANSPARENT set `hit` (instance NO_INDEX = nothing);
 // TRACE_ANY returns FOUND_* bits. A ray that isn't traceable meets nothing.
 uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, OUT(Hit) hit) {
-    hit.instance = NO_INDEX;
-    hit.primitive = 0u;
+    hit = Hit(NO_INDEX, 0u);
     uint stack[BVH_STACK];
     stack[0] = BVH_END;
     int top = 1;
@@ -163,13 +185,17 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, OUT(Hit)
         if (ref >= BVH_INSTANCE) {
             if (!HAS(EFFECT_INSTANCING)) break;  // no tree has such a leaf then
             vec3 d = direction;
+            start = origin;
+            if (HAS_LAYER(EFFECT_SHAPES) && ref != BVH_LEAVE && isShape(ref & 0x3fffffffu)) {
+                if (shapeStops(ref & 0x3fffffffu, origin, direction, mode, closest, hit, found)) return found | FOUND_BLOCKED;
+                BVH_NEXT
+                continue;
+            }
             if (ref == BVH_LEAVE) {
                 inside = NO_INDEX;
-                start = origin;
                 BVH_NEXT
             } else {
                 inside = ref & 0x3fffffffu;
-                start = origin;
                 intoInstance(inside, start, d);
                 if ((group & 3u) != 0u) stack[top++] = group;
                 group = 0u;
@@ -188,11 +214,8 @@ uint traverse(vec3 origin, vec3 direction, float tMax, const uint mode, OUT(Hit)
             uvec4 p2 = BVH_TRIANGLE(i * 3u + 2u);
             float t = triangleDistance(frame, uintBitsToFloat(p0.xyz), uintBitsToFloat(p1.xyz), uintBitsToFloat(p2.xyz));
             if (!(t > 0.0f && t < closest)) continue;
-            if (mode == TRACE_TRANSPARENT && p2.w != OPACITY_TRANSPARENT) continue;
-            if (mode == TRACE_ANY && p2.w == OPACITY_TRANSPARENT) {
-                found |= FOUND_TRANSPARENT;
-                continue;
-            }
+            if (mode == TRACE_ANY && p2.w == OPACITY_TRANSPARENT) found |= FOUND_TRANSPARENT;
+            if (mode != TRACE_CLOSEST && (p2.w == OPACITY_TRANSPARENT) != (mode == TRACE_TRANSPARENT)) continue;
             Hit candidate = Hit(inside == NO_INDEX ? p1.w : inside, p0.w);
             if (HAS(EFFECT_ALPHA_MASK) && mode != TRACE_TRANSPARENT && p2.w == OPACITY_MASKED && BVH_HOLE(candidate)) continue;
             if (mode == TRACE_ANY) return found | FOUND_BLOCKED;

@@ -1,6 +1,7 @@
 #include "server/device/embree/embree_scene.h"
 
 #include "server/kernel/kernel.h"
+#include "server/scene/shape.h"
 
 #include <exception>
 #include <limits>
@@ -12,7 +13,8 @@ namespace heliograph {
 namespace {
 
 // The alpha test alone: what the filters need of the kernel.
-constexpr uint64_t ALPHA_EFFECTS = EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING | EFFECT_SECOND_UV;
+constexpr uint64_t ALPHA_EFFECTS =
+    EFFECT_TEXTURES | EFFECT_VERTEX_COLORS | EFFECT_INSTANCING | EFFECT_SECOND_UV | EFFECT_SHAPES;
 using AlphaKernel = scalar_kernel::Kernel<ALPHA_EFFECTS>;
 
 RTCBuildQuality buildQuality(uint32_t quality) {
@@ -27,17 +29,21 @@ uint32_t maskOf(uint32_t opacity) {
 
 // True if the hit is in the hole of a cut-out. The point is recomputed from the ray as it was sent, so that the answer
 // does not depend on the traversal.
-bool hitsHole(const RTCFilterFunctionNArguments* args, uint32_t i) {
-    const auto* scene = static_cast<const EmbreeScene*>(args->geometryUserPtr);
-    const auto* context = reinterpret_cast<const TraceContext*>(args->context);
-    uint32_t lane = RTCRayN_id(args->ray, args->N, i);
-    Hit hit = EmbreeScene::hitOf(RTCHitN_geomID(args->hit, args->N, i), RTCHitN_primID(args->hit, args->N, i),
-                                 RTCHitN_instID(args->hit, args->N, i, 0));
+bool isHole(const EmbreeScene& scene, const RTCIntersectContext* traced, uint32_t lane, Hit hit) {
+    const auto* context = reinterpret_cast<const TraceContext*>(traced);
     AlphaKernel kernel;
-    kernel.scene = scene->view();
-    kernel.frame.effects = ALPHA_EFFECTS;
+    kernel.scene = scene.view();
+    kernel.frame.effects = static_cast<uint32_t>(ALPHA_EFFECTS);
+    kernel.frame.layers = ALPHA_EFFECTS >> 32;
     auto surface = kernel.surfaceAt(rayOrigin(*context->rays, lane), rayDirection(*context->rays, lane), 0.0f, 0.0f, hit);
     return kernel.isCutOut(surface);
+}
+
+bool hitsHole(const RTCFilterFunctionNArguments* args, uint32_t i) {
+    const Hit hit = EmbreeScene::hitOf(RTCHitN_geomID(args->hit, args->N, i), RTCHitN_primID(args->hit, args->N, i),
+                                       RTCHitN_instID(args->hit, args->N, i, 0));
+    return isHole(*static_cast<const EmbreeScene*>(args->geometryUserPtr), args->context, RTCRayN_id(args->ray, args->N, i),
+                  hit);
 }
 
 void filterMasked(const RTCFilterFunctionNArguments* args) {
@@ -53,6 +59,70 @@ void filterTransparent(const RTCFilterFunctionNArguments* args) {
         if (args->valid[i] != -1) continue;
         args->valid[i] = 0;
         context->passedTransparent |= 1u << RTCRayN_id(args->ray, args->N, i);
+    }
+}
+
+void boundShape(const RTCBoundsFunctionArguments* args) {
+    const auto* shape = static_cast<const ShapeOfScene*>(args->geometryUserPtr);
+    const Bounds box = shapeBounds(shape->scene->scene().instances[shape->instance]);
+    RTCBounds& out = *args->bounds_o;
+    out.lower_x = box.low.x, out.lower_y = box.low.y, out.lower_z = box.low.z;
+    out.upper_x = box.high.x, out.upper_y = box.high.y, out.upper_z = box.high.z;
+}
+
+/// A ray of a packet, and what of a shape may stop it.
+struct ShapeTest {
+    const ShapeOfScene& shape;
+    const Instance& instance;
+    AlphaKernel kernel;
+
+    explicit ShapeTest(const void* data)
+        : shape(*static_cast<const ShapeOfScene*>(data)), instance(shape.scene->scene().instances[shape.instance]) {
+        kernel.scene = shape.scene->view();
+    }
+
+    /// Which end of the shape the ray meets between its own, the nearest that is no hole; 2: none. `t`: how far that is.
+    uint32_t metEnd(const RTCIntersectContext* context, RTCRayN* ray, uint32_t n, uint32_t i, float& t) {
+        const vec3 origin(RTCRayN_org_x(ray, n, i), RTCRayN_org_y(ray, n, i), RTCRayN_org_z(ray, n, i));
+        const vec3 direction(RTCRayN_dir_x(ray, n, i), RTCRayN_dir_y(ray, n, i), RTCRayN_dir_z(ray, n, i));
+        const vec2 ends = kernel.shapeDistances(shape.instance, origin, direction);
+        for (uint32_t end = 0; end < 2; end++) {
+            t = end == 0 ? ends.x : ends.y;
+            if (!(t > 0.0f && t < RTCRayN_tfar(ray, n, i))) continue;
+            const Hit hit{shape.instance, end};
+            if (shapeOpacityOf(instance) == OPACITY_MASKED && isHole(*shape.scene, context, RTCRayN_id(ray, n, i), hit))
+                continue;
+            return end;
+        }
+        return 2;
+    }
+};
+
+void intersectShape(const RTCIntersectFunctionNArguments* args) {
+    ShapeTest test(args->geometryUserPtr);
+    RTCRayN* ray = RTCRayHitN_RayN(args->rayhit, args->N);
+    RTCHitN* hit = RTCRayHitN_HitN(args->rayhit, args->N);
+    for (uint32_t i = 0; i < args->N; i++) {
+        if (args->valid[i] != -1) continue;
+        float t;
+        const uint32_t end = test.metEnd(args->context, ray, args->N, i, t);
+        if (end == 2) continue;
+        RTCRayN_tfar(ray, args->N, i) = t;
+        RTCHitN_geomID(hit, args->N, i) = test.shape.instance;
+        RTCHitN_primID(hit, args->N, i) = end;
+        RTCHitN_instID(hit, args->N, i, 0) = RTC_INVALID_GEOMETRY_ID;
+    }
+}
+
+void occludeShape(const RTCOccludedFunctionNArguments* args) {
+    ShapeTest test(args->geometryUserPtr);
+    auto* context = reinterpret_cast<TraceContext*>(args->context);
+    for (uint32_t i = 0; i < args->N; i++) {
+        float t;
+        if (args->valid[i] != -1 || test.metEnd(args->context, args->ray, args->N, i, t) == 2) continue;
+        if (shapeOpacityOf(test.instance) == OPACITY_TRANSPARENT)
+            context->passedTransparent |= 1u << RTCRayN_id(args->ray, args->N, i);
+        else RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
     }
 }
 
@@ -155,13 +225,28 @@ EmbreeHandle<RTCGeometry> EmbreeScene::makeTriangles(RTCDevice device, const Mes
     return handle;
 }
 
+EmbreeHandle<RTCGeometry> EmbreeScene::makeShape(RTCDevice device, uint32_t index) {
+    EmbreeHandle<RTCGeometry> geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER));
+    shapes_.push_back(std::make_unique<ShapeOfScene>(ShapeOfScene{this, index}));
+    rtcSetGeometryUserPrimitiveCount(geometry.get(), 1);
+    rtcSetGeometryUserData(geometry.get(), shapes_.back().get());
+    rtcSetGeometryBoundsFunction(geometry.get(), boundShape, nullptr);
+    rtcSetGeometryIntersectFunction(geometry.get(), intersectShape);
+    rtcSetGeometryOccludedFunction(geometry.get(), occludeShape);
+    rtcSetGeometryMask(geometry.get(), maskOf(shapeOpacityOf(scene_->instances[index])));
+    rtcCommitGeometry(geometry.get());
+    return geometry;
+}
+
 void EmbreeScene::attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags,
                                  const Progress& progress) {
     const Instance& instance = scene_->instances[index];
     const Mesh& mesh = scene_->meshes[instance.mesh];
     if (mesh.triangleCount == 0) return;
     EmbreeHandle<RTCGeometry> geometry;
-    if (instance.flags & INSTANCE_IDENTITY) {
+    if (isShape(instance)) {
+        geometry = makeShape(device, index);
+    } else if (instance.flags & INSTANCE_IDENTITY) {
         geometry = makeTriangles(device, mesh);
     } else {
         EmbreeHandle<RTCScene>& meshScene = meshScenes_[instance.mesh];

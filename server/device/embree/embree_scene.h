@@ -27,6 +27,14 @@ struct EmbreeRelease {
 template <typename T>
 using EmbreeHandle = std::unique_ptr<std::remove_pointer_t<T>, EmbreeRelease>;
 
+class EmbreeScene;
+
+/// What Embree hands back to the tests of an analytic shape: they see rays as the world has them.
+struct ShapeOfScene {
+    const EmbreeScene* scene = nullptr;
+    uint32_t instance = 0;
+};
+
 class EmbreeScene {
 public:
     /// Builds the tree. quality: 0 low, 1 medium, 2 high. Throws std::runtime_error when Embree refuses, and what
@@ -58,6 +66,7 @@ public:
 
 private:
     EmbreeHandle<RTCGeometry> makeTriangles(RTCDevice device, const Mesh& mesh);
+    EmbreeHandle<RTCGeometry> makeShape(RTCDevice device, uint32_t index);
     void attachInstance(RTCDevice device, uint32_t index, RTCBuildQuality quality, RTCSceneFlags flags,
                         const Progress& progress);
 
@@ -67,6 +76,7 @@ private:
     EmbreeHandle<RTCScene> root_;
     bool coherentPrimary_ = true;
     bool coherentShadows_ = true;
+    std::vector<std::unique_ptr<ShapeOfScene>> shapes_;
     std::vector<EmbreeHandle<RTCScene>> meshScenes_;  // one per mesh that is instanced, else null
 };
 

@@ -14,7 +14,7 @@ namespace {
 /// do not, so that the walk has no code of them.
 constexpr uint64_t WALK_EFFECTS = EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND | EFFECT_ABSORPTION | EFFECT_TEXTURES |
                                   EFFECT_VERTEX_COLORS | EFFECT_INSTANCING | EFFECT_SECOND_UV | EFFECT_ANISOTROPIC_TEXTURES |
-                                  EFFECT_ROUGH_GLASS | EFFECT_PATH | EFFECT_NESTED_MEDIA;
+                                  EFFECT_ROUGH_GLASS | EFFECT_PATH | EFFECT_NESTED_MEDIA | EFFECT_SHAPES;
 
 using WalkKernel = scalar_kernel::Kernel<WALK_EFFECTS>;
 

@@ -1,6 +1,7 @@
 #include "server/scene/build/default_camera.h"
 
 #include "server/scene/framing.h"
+#include "server/scene/shape.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -93,6 +94,7 @@ bool looksLikeRoom(const Scene& scene, dvec3 center) {
 Framing framingOf(const Scene& scene, dvec3 center, const NamedCamera& view) {
     FramingWriter writer(center, view);
     for (const Instance& instance : scene.instances) {
+        if (isShape(instance) && shapeKindOf(instance) == SHAPE_PLANE) continue;  // it has no end
         const Mesh& mesh = scene.meshes[instance.mesh];
         const auto part = [&](const tbb::blocked_range<uint32_t>& range, FramingWriter found) {
             for (uint32_t i = range.begin(); i < range.end(); i++) found.add(toWorld(instance, scene.positions[i]));

@@ -1,6 +1,7 @@
 #include "server/scene/build/mesh_assembly.h"
 
 #include "server/base/error.h"
+#include "server/scene/build/shape_mesh.h"
 #include "server/scene/build/transform.h"
 
 #include <tbb/blocked_range.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 namespace heliograph {
@@ -55,11 +57,12 @@ PackedColor packed(vec4 color) {
     return {r >> 8 | g >> 8 << 8 | b >> 8 << 16 | a << 24, static_cast<float>((r & 255u) | (g & 255u) << 8 | (b & 255u) << 16)};
 }
 
-/// An instance of a shared mesh.
+/// An instance of a shared mesh or of a shape.
 struct PlacedCopy {
     uint32_t shared = 0;  // index into the shared copies
     Placement placement;
     const PlacedMesh* source = nullptr;
+    std::optional<ShapeSpace> shape{};
 };
 
 /// One copy of a mesh in the scene's arrays.
@@ -67,6 +70,7 @@ struct Copy {
     const MeshData* mesh = nullptr;
     const std::string* name = nullptr;  // of the one that is placed; of shared ones nothing
     Placement placement;                // identity where the copy stays in object space
+    vec3 begin{0.0f};                   // where that begins
     uint64_t firstVertex = 0;
     std::array<uint64_t, 3> triangles{};      // by opacity class
     std::array<uint64_t, 3> firstTriangle{};  // by opacity class
@@ -94,7 +98,7 @@ private:
     void choose() {
         std::vector<uint32_t> uses(draft_.meshes.size(), 0);
         for (const PlacedMesh& placed : draft_.placed) uses[placed.mesh]++;
-        sharedIndex_.assign(draft_.meshes.size(), NO_INDEX);
+        sharedIndex_.assign(draft_.meshes.size(), {NO_INDEX, NO_INDEX});
         for (const PlacedMesh& placed : draft_.placed) {
             const MeshData& mesh = draft_.meshes[placed.mesh];
             if (mesh.indices.empty()) continue;
@@ -108,19 +112,46 @@ private:
                 drop(placed);
                 continue;
             }
+            if (mesh.shape) {
+                (mesh.shape->kind == SHAPE_PLANE ? planes_ : shapes_).push_back({&placed, placement, bounds});
+                continue;
+            }
             bool bake = placement.identity ? uses[placed.mesh] == 1 : uses[placed.mesh] == 1 && !farFromOrigin(bounds);
             grow(scene_.bounds, bounds);
             if (bake) {
                 baked_.push_back(copyOf(mesh, placement, &placed.name));
             } else {
-                if (sharedIndex_[placed.mesh] == NO_INDEX) {
-                    sharedIndex_[placed.mesh] = static_cast<uint32_t>(shared_.size());
-                    shared_.push_back(copyOf(mesh, Placement{}, nullptr));
-                }
-                instances_.push_back({sharedIndex_[placed.mesh], placement, &placed});
+                instances_.push_back({sharedCopy(placed.mesh, false), placement, &placed});
             }
         }
+        growByShapes(scene_, shapes_, planes_);
+        for (const PlacedShape& shape : shapes_) addShape(shape);
+        for (const PlacedShape& plane : planes_) addShape(plane);
         copyUntraceable();
+    }
+
+    /// Index of the copy that instances of a mesh share. `pole`: of a ball, from there.
+    uint32_t sharedCopy(uint32_t mesh, bool pole) {
+        uint32_t& index = sharedIndex_[mesh][pole ? 1 : 0];
+        if (index == NO_INDEX) {
+            index = static_cast<uint32_t>(shared_.size());
+            shared_.push_back(copyOf(draft_.meshes[mesh], Placement{}, nullptr));
+            if (pole) shared_.back().begin.y = 1.0f;
+        }
+        return index;
+    }
+
+    void addShape(const PlacedShape& shape) {
+        const PlacedMesh& placed = *shape.source;
+        const MeshData& mesh = draft_.meshes[placed.mesh];
+        if (!shape.placement.invertible) {  // flat: its triangles stand for it, of a plane there are none
+            if (mesh.shape->kind == SHAPE_PLANE) drop(placed);
+            else baked_.push_back(copyOf(mesh, shape.placement, &placed.name));
+            return;
+        }
+        // A plane is drawn as far as rays go.
+        const ShapeSpace space = shapeSpaceOf(*mesh.shape, shape.placement, 0.25 * double(scene_.rayReach()));
+        instances_.push_back({sharedCopy(placed.mesh, (space.flags & SHAPE_POLE) != 0), space.placement, &placed, space});
     }
 
     /// Instances without a usable inverse, or in whose space the farthest rays would leave float, become copies.
@@ -131,7 +162,9 @@ private:
             if (traceable(instance.placement, reach)) return false;
             const MeshData& mesh = *shared_[instance.shared].mesh;
             copied += mesh.indices.size();
-            if (copied <= MOST_COPIED_TRIANGLES) baked_.push_back(copyOf(mesh, instance.placement, &instance.source->name));
+            const bool endless = mesh.shape && mesh.shape->kind == SHAPE_PLANE;
+            if (copied <= MOST_COPIED_TRIANGLES && !endless)
+                baked_.push_back(copyOf(mesh, placementOf(instance.source->toWorld), &instance.source->name));
             else drop(*instance.source);
             return true;
         });
@@ -302,7 +335,7 @@ private:
         const size_t at = copy.firstVertex + i;
         const PackedColor color = mesh.colors.empty() ? PackedColor{} : packed(mesh.colors[i]);
         scene_.positions[at] =
-            vec4(placement.identity ? mesh.positions[i] : vec3(placement.point(mesh.positions[i])), color.rest);
+            vec4(placement.identity ? mesh.positions[i] - copy.begin : vec3(placement.point(mesh.positions[i])), color.rest);
         VertexAttributes attributes{};
         attributes.normal = placement.identity ? mesh.normals[i] : vec3(placement.normal(mesh.normals[i]));
         if (!mesh.uv0.empty()) attributes.u0 = mesh.uv0[i].x, attributes.v0 = mesh.uv0[i].y;
@@ -379,13 +412,22 @@ private:
         for (uint32_t mesh : bakedMesh_) {
             if (mesh != NO_INDEX) scene_.instances.push_back(instanceOf(Placement{}, mesh, scene_.meshes[mesh].firstTriangle));
         }
-        for (const auto& [shared, placement, source] : instances_) {
-            for (uint32_t mesh : sharedMesh_[shared]) {
+        for (const PlacedCopy& copy : instances_) {
+            for (uint32_t mesh : sharedMesh_[copy.shared]) {
                 if (mesh == NO_INDEX) continue;
-                scene_.objects.addInstance(static_cast<uint32_t>(scene_.instances.size()), source->name);
-                scene_.instances.push_back(instanceOf(placement, mesh, scene_.meshes[mesh].firstTriangle));
+                scene_.objects.addInstance(static_cast<uint32_t>(scene_.instances.size()), copy.source->name);
+                scene_.instances.push_back(instanceOf(copy.placement, mesh, scene_.meshes[mesh].firstTriangle));
+                if (copy.shape) makeShape(scene_.instances.back(), *copy.shape);
             }
         }
+    }
+
+    void makeShape(Instance& instance, const ShapeSpace& space) const {
+        instance.flags = (instance.flags & INSTANCE_MIRRORED) | space.flags;
+        instance.flags |= scene_.meshes[instance.mesh].opacity * SHAPE_OPACITY;
+        instance.toObject0.w = space.extra.x;
+        instance.toObject1.w = space.extra.y;
+        instance.toObject2.w = space.extra.z;
     }
 
     void report() {
@@ -407,7 +449,9 @@ private:
     const std::vector<uint32_t>& opacity_;
     std::vector<Copy> baked_;
     std::vector<Copy> shared_;
-    std::vector<uint32_t> sharedIndex_;  // draft mesh -> shared_
+    std::vector<std::array<uint32_t, 2>> sharedIndex_;  // draft mesh -> shared_, and as a ball from its pole
+    std::vector<PlacedShape> shapes_;                   // but planes
+    std::vector<PlacedShape> planes_;
     std::vector<PlacedCopy> instances_;
     std::array<uint32_t, 3> bakedMesh_{NO_INDEX, NO_INDEX, NO_INDEX};
     std::vector<std::array<uint32_t, 3>> sharedMesh_;

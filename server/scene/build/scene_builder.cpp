@@ -9,6 +9,7 @@
 #include "server/scene/build/mesh_prepare.h"
 #include "server/scene/build/scene_checks.h"
 #include "server/scene/build/scene_draft.h"
+#include "server/scene/build/shape_mesh.h"
 #include "server/scene/light/ambient.h"
 #include "server/scene/light/emitters.h"
 #include "server/scene/light/glass_table.h"
@@ -287,6 +288,20 @@ uint32_t SceneBuilder::addTexture(const TextureSlot& slot) {
 uint32_t SceneBuilder::addMesh(MeshData mesh) {
     data_->meshes.push_back(std::move(mesh));
     return static_cast<uint32_t>(data_->meshes.size() - 1);
+}
+
+uint32_t SceneBuilder::addShape(ShapeForm form, uint32_t material) {
+    if (material >= data_->scene.materials.size())
+        throw std::logic_error("shape of material " + std::to_string(material) + " of " +
+                               std::to_string(data_->scene.materials.size()));
+    Material own = data_->scene.materials[material];
+    if (std::max({own.emission.x, own.emission.y, own.emission.z}) > 0.0f && (own.flags & MATERIAL_LIT_APART) == 0) {
+        own.flags |= MATERIAL_LIT_APART;  // no rays are sent to it as to the triangles of that material
+        const std::string name = data_->scene.materialNames[material];
+        addWarning(*data_, "shapes of the glowing material '" + name + "' light others by chance alone");
+        material = addMaterial(own, name);
+    }
+    return addMesh(shapeMesh(form, material));
 }
 
 void SceneBuilder::addInstance(uint32_t mesh, const mat4& toWorld, const std::string& name) {

@@ -11,9 +11,16 @@
 #include "server/base/progress.h"
 #include "server/scene/material_layers.h"
 
+#include <optional>
 #include <span>
 
 namespace heliograph {
+
+/// What an analytic shape is, of size one; instances give it radius and height (addShape).
+struct ShapeForm {
+    uint32_t kind = SHAPE_SPHERE;
+    bool capped = false;  // of a cylinder: closed at its ends
+};
 
 /// Triangles as loaded or generated, object space. All arrays but positions and indices may be empty.
 struct MeshData {
@@ -25,6 +32,7 @@ struct MeshData {
     std::vector<vec4> colors;    // linear RGBA, 0..1
     std::vector<uvec3> indices;
     std::vector<uint32_t> materials;  // one per triangle, or empty: all material 0 (the default)
+    std::optional<ShapeForm> shape;   // what is met in the place of the triangles (shape_mesh.h)
 };
 
 /// Pixels of an image before mip maps. Row-major, top row first.
@@ -48,6 +56,9 @@ public:
     uint32_t addImage(ImageData image);
     uint32_t addTexture(const TextureSlot& slot);
     uint32_t addMesh(MeshData mesh);
+    /// An analytic shape, as a mesh of its own: a ball of radius 1 about 0; a cylinder of radius 1 from -1 to 1 along y; a disc of
+    /// radius 1 or the whole plane at y = 0, with the normal along y. Instances scale it. One that glows lights others by chance alone.
+    uint32_t addShape(ShapeForm form, uint32_t material);
     /// `name`: for messages.
     void addInstance(uint32_t mesh, const mat4& toWorld, const std::string& name = {});
     void addLight(const Light& light);

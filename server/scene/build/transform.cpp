@@ -43,9 +43,15 @@ bool Placement::collapsed() const {
 }
 
 Placement placementOf(const mat4& toWorld) {
+    dmat3 linear;
+    for (int c = 0; c < 3; c++) linear[c] = dvec3(toWorld[c].x, toWorld[c].y, toWorld[c].z);
+    return placementOf(linear, dvec3(toWorld[3].x, toWorld[3].y, toWorld[3].z));
+}
+
+Placement placementOf(const dmat3& linear, dvec3 offset) {
     Placement p;
-    for (int c = 0; c < 3; c++) p.linear[c] = dvec3(toWorld[c].x, toWorld[c].y, toWorld[c].z);
-    p.offset = dvec3(toWorld[3].x, toWorld[3].y, toWorld[3].z);
+    p.linear = linear;
+    p.offset = offset;
     p.finite =
         finiteMatrix(p.linear) && std::abs(p.offset.x) <= 1e30 && std::abs(p.offset.y) <= 1e30 && std::abs(p.offset.z) <= 1e30;
     p.identity = p.linear == dmat3(1.0) && p.offset == dvec3(0.0);

@@ -45,6 +45,7 @@ bool traceable(const Placement& placement, float rayReach);
 
 /// Row 3 of the matrix is taken as (0, 0, 0, 1).
 Placement placementOf(const mat4& toWorld);
+Placement placementOf(const dmat3& linear, dvec3 offset);
 
 /// Rows of toWorld and toObject and the flags; needs placement.invertible.
 Instance instanceOf(const Placement& placement, uint32_t mesh, uint32_t firstTriangle);

@@ -3,6 +3,7 @@
 #include "server/scene/light/alias_table.h"
 #include "server/scene/build/image_pyramid.h"
 #include "server/scene/light/light_tree.h"
+#include "server/scene/shape.h"
 
 #include <algorithm>
 #include <array>
@@ -98,6 +99,7 @@ float appendEmitters(Scene& scene) {
     std::vector<uvec2> places;  // instance, primitive
     double sum = 0.0;
     for (uint32_t i = 0; i < scene.instances.size(); i++) {
+        if (isShape(scene.instances[i])) continue;  // its triangles are not what is met
         const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
         for (uint32_t t = 0; t < mesh.triangleCount; t++) {
             const uvec4 triangle = scene.triangles[mesh.firstTriangle + t];

@@ -150,7 +150,10 @@ private:
             const double size = glm::length(dvec3(body.bounds.high) - dvec3(body.bounds.low));
             distance = std::max(distance, std::min(body.reach * WALL_OVERLAP * (1.0 + rank), size * MOST_OF_BODY) / shortest);
         }
-        for (const auto& [key, distance] : distances) moveWalls(draft_.meshes[key.first], key.second, distance);
+        for (const auto& [key, distance] : distances) {
+            MeshData& mesh = draft_.meshes[key.first];
+            if (!mesh.shape) moveWalls(mesh, key.second, distance);
+        }
     }
 
     SceneDraft& draft_;

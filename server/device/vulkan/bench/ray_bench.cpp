@@ -2,7 +2,9 @@
 
 #include "server/device/vulkan/core/shader_code.h"
 #include "server/device/vulkan/core/timed_run.h"
+#include "server/scene/shape.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace heliograph {
@@ -16,7 +18,9 @@ public:
     TracerBench(Gpu& gpu, const GpuScene& scene)
         : gpu_(gpu),
           scene_(scene),
-          pipelines_(gpu, scene.bvhWidth(), 1, scene.bvhWidth() == 4 ? shaders::raysWide4() : shaders::raysWide2()) {}
+          pipelines_(gpu, scene.bvhWidth(), 1, scene.bvhWidth() == 4 ? shaders::raysWide4() : shaders::raysWide2()) {
+        if (std::ranges::any_of(scene.scene().instances, isShape)) effects_.bits |= EFFECT_SHAPES;
+    }
 
     std::vector<double> trace(std::span<const Ray> rays, bool anyHit, uint32_t repetitions, double warmUpSeconds,
                               std::vector<RayAnswer>& answers) override {
@@ -28,8 +32,7 @@ public:
         VkDescriptorSet set = pipelines_.newSet();
         scene_.bind(set);
         bindPair(set, in, out);
-        VkPipeline pipeline =
-            pipelines_.get({EffectSet{EFFECT_INSTANCING}, anyHit ? TRACE_ANY : TRACE_CLOSEST, scene_.stackDepth()});
+        VkPipeline pipeline = pipelines_.get({effects_, anyHit ? TRACE_ANY : TRACE_CLOSEST, scene_.stackDepth()});
         uint32_t count = static_cast<uint32_t>(rays.size());
         std::vector<double> seconds = timedRuns(
             gpu_,
@@ -66,6 +69,7 @@ private:
     Gpu& gpu_;
     const GpuScene& scene_;
     TracePipelines pipelines_;
+    EffectSet effects_{EFFECT_INSTANCING};
 };
 
 }  // namespace

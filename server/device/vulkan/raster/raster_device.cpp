@@ -55,7 +55,8 @@ public:
         std::lock_guard lock(mutex_);
         if (!scene_) throw std::logic_error("render before load");
         FrameRequest whole = request;
-        whole.effects.bits &= ~EFFECT_MANY_LIGHTS;  // without rays all lights are cheap
+        whole.effects.bits &=
+            ~(EFFECT_MANY_LIGHTS | EFFECT_SHAPES);  // without rays all lights are cheap, and shapes are triangles
         const FrameData frame = frameData(scene_->scene(), whole);
         background_ = backdropOf(scene_->scene(), request.settings);
         std::memcpy(frame_.data(), &frame, sizeof frame);
@@ -127,7 +128,8 @@ private:
             VkRect2D scissor{{0, 0}, {size.x, size.y}};
             vkCmdSetViewport(commands, 0, 1, &viewport);
             vkCmdSetScissor(commands, 0, 1, &scissor);
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.get(request.effects));
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS,
+                              pipelines_.get({request.effects.bits & ~EFFECT_SHAPES}));
             VkDescriptorSet set = pipelines_.set();
             vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines_.layout(), 0, 1, &set, 0, nullptr);
             vkCmdPushConstants(commands, pipelines_.layout(), VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,

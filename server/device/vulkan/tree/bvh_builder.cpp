@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/device/vulkan/tree/bvh_tree.h"
+#include "server/scene/shape.h"
 
 #include <tbb/parallel_for.h>
 
@@ -86,6 +87,11 @@ std::vector<RTCBuildPrimitive> rootPrimitives(const Scene& scene) {
             addTriangles(scene, mesh, i, &primitives[starts[i]]);
             continue;
         }
+        if (isShape(instance)) {
+            const Bounds box = shapeBounds(instance);
+            primitives[starts[i]] = primitiveOf(box.low, box.high, TreeNode::INSTANCE_MARK, i);
+            continue;
+        }
         if (!boxed[instance.mesh]) boxes[instance.mesh] = meshBox(scene, mesh);
         boxed[instance.mesh] = true;
         Box box = placedBox(instance, boxes[instance.mesh]);
@@ -129,7 +135,7 @@ Bvh buildBvh(const Scene& scene, const BvhOptions& options, const Progress& prog
     std::vector<bool> placed(scene.meshes.size(), false);
     for (const Instance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[instance.mesh];
-        if (!isPlaced(instance) || mesh.triangleCount == 0 || placed[instance.mesh]) continue;
+        if (!isPlaced(instance) || isShape(instance) || mesh.triangleCount == 0 || placed[instance.mesh]) continue;
         placed[instance.mesh] = true;
         std::vector<RTCBuildPrimitive> primitives(mesh.triangleCount);
         addTriangles(scene, mesh, NO_INDEX, primitives.data());
