@@ -30,6 +30,7 @@ constexpr GltfExtension EXTENSIONS[] = {
     {"EXT_texture_webp", "textures", true, "WebP images, where no other stands beside them"},
     {"KHR_materials_variants", "", true, "looks to choose from"},
     {"HELIOGRAPH_materials_priority", "materials", true, "which of two bodies fills the place where they overlap"},
+    {"HELIOGRAPH_shapes", "nodes", true, "spheres, cylinders, discs and planes, met where their formulas say"},
     // Known, so that a file may require it; the texture is left out with a warning.
     {"KHR_texture_basisu", "textures", true, "textures are left out: no reader of KTX2 is among the libraries"},
 

@@ -20,9 +20,11 @@ public:
     /// primitives take out of proportion more memory than its buffers.
     MeshData read(const tinygltf::Primitive& primitive, const std::vector<double>& weights, const std::string& pointer);
 
+    /// Counts vertices and corners; throws InputError beyond what a file of this size may make.
+    void account(uint64_t elements, const std::string& pointer);
+
 private:
     std::vector<uint32_t> cornersOf(const tinygltf::Primitive& primitive, size_t vertexCount, const std::string& pointer);
-    void account(uint64_t elements, const std::string& pointer);
     void readAttributes(const tinygltf::Primitive& primitive, const std::vector<uint32_t>& vertices, MeshData& mesh,
                         const std::string& pointer);
     void applyMorphs(const tinygltf::Primitive& primitive, const std::vector<double>& weights,

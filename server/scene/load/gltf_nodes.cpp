@@ -5,6 +5,7 @@
 #include "server/scene/load/far_origin.h"
 #include "server/scene/load/gltf_accessor.h"
 #include "server/scene/load/gltf_mesh.h"
+#include "server/scene/load/gltf_shapes.h"
 #include "server/scene/load/gltf_textures.h"
 
 #include <glm/gtc/matrix_transform.hpp>
@@ -16,6 +17,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <tuple>
 
 namespace heliograph {
 
@@ -28,6 +30,8 @@ using glm::dvec3;
 constexpr int DEEPEST_TREE = 4096;
 constexpr double NARROWEST_SPOT = 1e-3;  // radians: the cosine of less has no digits left in 32 bits
 constexpr size_t MOST_INSTANCES = 500'000;
+constexpr const char* SHAPES = "HELIOGRAPH_shapes";
+constexpr uint64_t VERTICES_OF_SHAPE = 4096;  // and corners, of the triangles that stand for it
 
 dmat4 composed(dvec3 translation, dquat rotation, dvec3 scale) {
     const double length = glm::length(rotation);
@@ -120,8 +124,10 @@ private:
     dvec3 originOf(const std::vector<int>& roots) const {
         FarBox box;
         std::optional<dvec3> camera;
-        visit(roots, dmat4(1.0), [&](const tinygltf::Node& node, int, const dmat4& toWorld) {
+        visit(roots, dmat4(1.0), [&](const tinygltf::Node& node, int index, const dmat4& toWorld) {
             if (node.camera >= 0 && !camera) camera = dvec3(toWorld[3]);
+            const auto shape = node.extensions.find(SHAPES);
+            if (shape != node.extensions.end()) addShapeBounds(shape->second, index, toWorld, box);
             if (node.mesh < 0) return;
             for (const tinygltf::Primitive& primitive : document_.model.meshes[static_cast<size_t>(node.mesh)].primitives)
                 addBounds(primitive, toWorld, box);
@@ -144,7 +150,20 @@ private:
         }
     }
 
+    /// The corners of a shape's box, or where a plane passes.
+    void addShapeBounds(const tinygltf::Value& extension, int index, const dmat4& toWorld, FarBox& box) const {
+        const GltfShape shape = readGltfShape(extension, document_.at(shapePointer(index)), builder_);
+        const double reach = shape.form.kind == SHAPE_PLANE ? 0.0 : 1.0;
+        for (unsigned corner = 0; corner < 8; corner++) {
+            glm::dvec4 at(0.0, 0.0, 0.0, 1.0);
+            for (unsigned k = 0; k < 3; k++)
+                at[static_cast<int>(k)] = (corner >> k & 1 ? reach : -reach) * shape.size[static_cast<int>(k)];
+            box.add(dvec3(toWorld * at));
+        }
+    }
+
     static std::string pointerOf(int node) { return "/nodes/" + std::to_string(node); }
+    static std::string shapePointer(int node) { return pointerOf(node) + "/extensions/" + SHAPES; }
 
     /// The default scene's roots; without scenes every node that is nobody's child.
     std::vector<int> rootNodes() const {
@@ -166,12 +185,31 @@ private:
     void place(const tinygltf::Node& node, int index, const dmat4& toWorld) {
         if (node.mesh >= 0) placeMesh(node, index, toWorld);
         if (node.camera >= 0) placeCamera(node, toWorld);
+        const auto shape = node.extensions.find(SHAPES);
+        if (shape != node.extensions.end()) placeShape(shape->second, node, index, toWorld);
         const auto light = node.extensions.find("KHR_lights_punctual");
         if (light != node.extensions.end()) placeLight(light->second, index, toWorld);
     }
 
     void placeMesh(const tinygltf::Node& node, int index, const dmat4& toWorld) {
         const std::vector<uint32_t>& parts = meshParts(node);
+        placeParts(parts, node, index, toWorld, dmat4(1.0));
+    }
+
+    void placeShape(const tinygltf::Value& extension, const tinygltf::Node& node, int index, const dmat4& toWorld) {
+        const GltfShape shape = readGltfShape(extension, document_.at(shapePointer(index)), builder_);
+        const size_t material = shape.material >= 0 ? static_cast<size_t>(shape.material) : materials_.size() - 1;
+        const auto [found, isNew] = shapes_.try_emplace({shape.form.kind, shape.form.capped, material});
+        if (isNew) {
+            reader_.account(VERTICES_OF_SHAPE, shapePointer(index));
+            found->second.push_back(builder_.addShape(shape.form, materials_[material]));
+        }
+        placeParts(found->second, node, index, toWorld, glm::scale(dmat4(1.0), shape.size));
+    }
+
+    /// `size`: applied before all else.
+    void placeParts(const std::vector<uint32_t>& parts, const tinygltf::Node& node, int index, const dmat4& toWorld,
+                    const dmat4& size) {
         const auto crowd = node.extensions.find("EXT_mesh_gpu_instancing");
         const std::vector<dmat4> copies =
             crowd == node.extensions.end() ? std::vector<dmat4>{dmat4(1.0)} : instanceTransforms(crowd->second, index);
@@ -180,7 +218,7 @@ private:
             throw InputError(document_.at(pointerOf(index)), "more than " + std::to_string(MOST_INSTANCES) + " instances");
         for (const dmat4& copy : copies) {
             for (uint32_t part : parts)
-                builder_.addInstance(part, mat4(toWorld * copy), node.name.empty() ? pointerOf(index) : node.name);
+                builder_.addInstance(part, mat4(toWorld * copy * size), node.name.empty() ? pointerOf(index) : node.name);
         }
     }
 
@@ -315,6 +353,7 @@ private:
     const Progress& progress_;
     GltfMeshReader reader_;
     std::map<std::pair<int, std::vector<double>>, std::vector<uint32_t>> parts_;
+    std::map<std::tuple<uint32_t, bool, size_t>, std::vector<uint32_t>> shapes_;  // by kind, caps and material of the file
     size_t instances_ = 0;
     int cameras_ = 0;
 };

@@ -189,6 +189,11 @@ constexpr JsonRule RULES[] = {
     {"variantMapping", "material", Is::index, 0, ANY, "materials", true},
     {"variantMapping", "variants", Is::wholes, 0, ANY, "/extensions/KHR_materials_variants/variants", true},
     {"HELIOGRAPH_materials_priority", "priority", Is::whole, -1000, 1000, "", true},
+    {"HELIOGRAPH_shapes", "kind", Is::text, 0, 0, "", true},
+    {"HELIOGRAPH_shapes", "radius", Is::above, 0, 1e9},
+    {"HELIOGRAPH_shapes", "height", Is::above, 0, 1e9},
+    {"HELIOGRAPH_shapes", "capped", Is::boolean},
+    {"HELIOGRAPH_shapes", "material", Is::index, 0, ANY, "materials"},
     {"EXT_mesh_gpu_instancing", "attributes", Is::indexMap, 0, ANY, "accessors", true},
 };
 // clang-format on
