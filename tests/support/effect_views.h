@@ -25,6 +25,8 @@ inline std::vector<EffectView> effectViews() {
             {"effects/layers", {"glossyReflections=true", "indirectLight=true"}},
             {"effects/layers", {"integrator=path"}},
             {"effects/layers", {"ground=true"}},
+            {"effects/shapes", {}},
+            {"effects/shapes", {"integrator=path"}},
             {"courtyard", {"textureFilter=anisotropic"}}};
 }
 
