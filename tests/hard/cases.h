@@ -10,6 +10,7 @@ int readMutations(uint64_t first);
 
 void hostileFiles(Run& run);
 void farSpheres(Run& run);
+void hugeSphere(Run& run);
 void tangentSpheres(Run& run);
 void insideSpheres(Run& run);
 void watertightEdges(Run& run);

@@ -2,6 +2,7 @@
 // node, as GPUs have, and of four boxes of bytes, as CPU-type devices have.
 
 #include "server/device/vulkan/tree/bvh_builder.h"
+#include "server/scene/kernel_tables.h"
 #include "tests/hard/glsl.h"
 #include "tests/hard/tracer.h"
 
@@ -26,6 +27,7 @@ constexpr uint32_t STACK = 256;
 #define INOUT(T) T&
 #define OUT(T) T&
 #define HAS(effect) (((effect) & (EFFECT_INSTANCING | EFFECT_ALPHA_MASK)) != 0u)
+#define HAS_LAYER(effect) (((effect)&EFFECT_SHAPES) != 0u)
 #define INSTANCE(i, field) scene.instances[i].field
 #define BVH_NODE(i) uvec4(tree.nodes.data[i])
 #define BVH_TRIANGLE(i) uvec4(tree.triangles.data[i])
@@ -62,6 +64,7 @@ public:
         met.assign(rays.size(), {});
         inBlocks(rays.size(), [&](size_t begin, size_t end) {
             Tree tree{bvh_, *world_.scene()};
+            tree.kernel.scene = sceneView(*world_.scene());
             for (size_t i = begin; i < end; i++) {
                 glsl::Hit hit;
                 tree.traverse(rays[i].origin, rays[i].direction, rays[i].tMax, tree.TRACE_CLOSEST, hit);
@@ -75,6 +78,7 @@ public:
         met.assign(rays.size(), {});
         inBlocks(rays.size(), [&](size_t begin, size_t end) {
             Tree tree{bvh_, *world_.scene()};
+            tree.kernel.scene = sceneView(*world_.scene());
             for (size_t i = begin; i < end; i++) {
                 glsl::Hit hit;
                 tree.collected = &met[i];

@@ -10,7 +10,7 @@ const std::vector<Case>& catalogue() {
         {2, "tiny_scene", "scenes scaled by 2^-20 and 2^-40", tinyScene, nullptr},
         {3, "scale_sweep", "scale 2^-40 to 2^40", scaleSweep, nullptr},
         {4, "far_spheres", "balls 1e2 to 1e4 radii away", farSpheres, nullptr},
-        {5, "huge_sphere", "a ball of radius 1e6 as ground", nullptr, "there is no primitive of a sphere yet, only triangles"},
+        {5, "huge_sphere", "a ball of radius 1e6 as ground", hugeSphere, nullptr},
         {6, "tangent_spheres", "rays that touch a ball", tangentSpheres, nullptr},
         {7, "inside_spheres", "rays from inside and on a ball", insideSpheres, nullptr},
         {8, "watertight_edges", "a closed body of thin triangles has no holes", watertightEdges, nullptr},

@@ -48,6 +48,8 @@ public:
 class World {
 public:
     explicit World(MeshData mesh);
+    /// An analytic shape in the place of the mesh: Met::triangle is 0 where a ray enters it and 1 where it leaves.
+    World(ShapeForm form, const mat4& toWorld);
 
     /// False if the builder refused the mesh, with a warning; then only the naive tracer and bare Embree have it.
     bool taken() const { return scene_->instances.size() == 1; }
@@ -58,6 +60,8 @@ public:
     test::EveryKernel::Surface surface(const Ray& ray, const Met& met) const;
 
 private:
+    void take(SceneBuilder& builder);
+
     MeshData mesh_;
     std::shared_ptr<const Scene> scene_;
     mutable test::EveryKernel kernel_;  // its functions change nothing, but the kernel's language has no word for that
@@ -76,6 +80,9 @@ Ray leaveByKernel(const World& world, const Ray& ray, const Met& met, vec3 direc
 
 /// All of them, the naive one first. If the plan names a ray, prints what each answers to it.
 std::vector<std::unique_ptr<Tracer>> tracersOf(const World& world, const Run& run);
+
+/// Those of the product: own traversal with either tree, and the devices. Of shapes there are no others.
+std::vector<std::unique_ptr<Tracer>> ownTracersOf(const World& world, const Run& run);
 
 /// How to shoot that ray again.
 std::string replayOf(const std::string& name, const Ray& ray);

@@ -13,11 +13,22 @@ namespace heliograph::hard {
 World::World(MeshData mesh) : mesh_(std::move(mesh)) {
     SceneBuilder builder("hard");
     builder.addInstance(builder.addMesh(mesh_), mat4(1.0f));
+    take(builder);
+}
+
+World::World(ShapeForm form, const mat4& toWorld) {
+    SceneBuilder builder("hard");
+    builder.addInstance(builder.addShape(form, 0), toWorld);
+    take(builder);
+}
+
+void World::take(SceneBuilder& builder) {
     scene_ = builder.finish();
     if (scene_->instances.size() > 1 || (!taken() && scene_->warnings.empty())) throw std::logic_error("a world is one mesh");
     kernel_ = test::bareKernel();
     kernel_.scene = sceneView(*scene_);
     kernel_.frame.effects = EFFECT_INSTANCING;  // a mesh without textures, colours or tangents
+    kernel_.frame.layers = EFFECT_SHAPES >> 32;
 }
 
 test::EveryKernel::Surface World::surface(const Ray& ray, const Met& met) const {
@@ -73,11 +84,17 @@ std::vector<std::unique_ptr<Tracer>> tracersOf(const World& world, const Run& ru
     all.push_back(bareEmbree(world, false));
     all.push_back(bareEmbree(world, true));
     if (!world.taken()) return all;
+    for (auto& tracer : ownTracersOf(world, run)) all.push_back(std::move(tracer));
+    if (!run.plan().ray.empty()) printAnswers(all, rayFrom(run.plan().ray));
+    return all;
+}
+
+std::vector<std::unique_ptr<Tracer>> ownTracersOf(const World& world, const Run& run) {
+    std::vector<std::unique_ptr<Tracer>> all;
     all.push_back(ownTracer(world, 2));
     all.push_back(ownTracer(world, 4));
     all.push_back(embreePackets(world));
     if (auto vulkan = vulkanRays(world, run.plan().device)) all.push_back(std::move(vulkan));
-    if (!run.plan().ray.empty()) printAnswers(all, rayFrom(run.plan().ray));
     return all;
 }
 
