@@ -2,6 +2,7 @@
 
 #include "server/base/error.h"
 #include "server/scene/load/gltf_document.h"
+#include "server/scene/load/gltf_textures.h"
 
 #include <array>
 
