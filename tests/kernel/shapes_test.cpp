@@ -169,10 +169,12 @@ TEST(Shapes, PointsLieOnTheSurfaceAndNormalsAreItsOwn) {
             const dvec3 p = inside(instance, s.position, true);
             const bool edge = placed.kind() == SHAPE_CYLINDER && std::abs(std::abs(p.y) - 1.0) < 1e-4 &&
                               std::abs(std::hypot(p.x, p.z) - 1.0) < 1e-4;
-            if (!edge)
+            if (!edge) {
                 EXPECT_GT(glm::dot(out * double(s.side), dvec3(s.geometricNormal)), 1.0 - 1e-6) << shapeName(placed.kind());
-            if (placed.kind() == SHAPE_SPHERE || (instance.flags & SHAPE_CAPPED) != 0)
+            }
+            if (placed.kind() == SHAPE_SPHERE || (instance.flags & SHAPE_CAPPED) != 0) {
                 EXPECT_EQ(s.side, end == 0 ? 1.0f : -1.0f);
+            }
             EXPECT_LT(glm::dot(s.geometricNormal, d), 2e-3f);
         });
     EXPECT_GT(met, 5000u);

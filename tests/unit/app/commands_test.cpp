@@ -269,7 +269,7 @@ TEST_F(CommandsTest, InspectAnswersInJsonAndForPeople) {
     Outcome outcome = run({"inspect", "cornell", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(keys(ordered_json::parse(outcome.out)),
-              (std::vector<std::string>{"scene", "triangles", "instances", "materials", "lights", "textures", "bytes",
+              (std::vector<std::string>{"scene", "triangles", "shapes", "instances", "materials", "lights", "textures", "bytes",
                                         "variants", "variant", "extensions", "effects", "warnings", "ms"}));
     EXPECT_THAT(run({"inspect", "cornell"}).out, HasSubstr("calls for\n  shadows"));
 }
