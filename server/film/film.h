@@ -71,7 +71,8 @@ public:
     void developWithVariance(uint32_t firstRow, uint32_t lastRow, double edges, vec4* pixels) const;
     /// Estimated error of the pixels' mean luminance (root mean square over the picture without the thousandth of the pixels that
     /// is worst; white at most) as a share of the picture's mean luminance, at most 1; 1 while a pixel has fewer than 2 samples.
-    /// Of every 16th pixel: the variance of its samples, less as the points that they are taken at cancel (error_model.h).
+    /// Of every 16th pixel, of more in pictures below 1280x720: the variance of its samples, less as the points that they are
+    /// taken at cancel (error_model.h).
     double relativeError() const;
     /// The same for each cell of `cellSize` pixels, with the worst pixels; nothing where `relativeError` is 1 for want of samples.
     std::optional<ErrorMap> errorMap(uvec2 cellSize) const;
@@ -137,19 +138,28 @@ private:
 
         /// Mean of the squares without the worst.
         double meanSquare();
+        /// The same over the square of the mean, 1 at most.
+        double relativeSquare();
         /// The largest of the others.
         double largestKept();
     };
-    /// With variances as they are (no share), or the squared errors that follow with this share of edges. Needs 2 samples.
-    Judged judged(std::optional<double> edges) const;
+    /// Of one pixel in `step`, a power of two up to ErrorHistory::STEP: variances as they are (no share), or the squared errors that
+    /// follow with this share of edges. Needs 2 samples.
+    Judged judged(std::optional<double> edges, uint32_t step) const;
     /// Calls visit(x, y, mean, square) for each judged pixel, in that sense.
     template <typename Visit>
-    void forJudged(std::optional<double> edges, Visit visit) const;
+    void forJudged(std::optional<double> edges, uint32_t step, Visit visit) const;
+    /// One pixel in how many tells of the picture as a whole.
+    uint32_t finestStep() const;
     bool anyBelow(uint32_t samples) const;
     double measuredEdgeShare() const;
     /// Mean variance of the judged pixels whose block keeps this doubling, and how far it moved their means, over that.
     std::optional<double> movedBy(uint32_t doubling) const;
     glm::dvec4 sumOf(const Block& block, size_t pixel) const;
+    /// Luminance of Rec. 709 primaries; the same weights as the kernel's (ITU-R BT.709).
+    static double luminanceOf(const glm::dvec4& rgb) {
+        return LUMINANCE_RED * rgb.x + LUMINANCE_GREEN * rgb.y + LUMINANCE_BLUE * rgb.z;
+    }
     /// Mean radiance and samples of one row of a block, from `pixel` on.
     void developRow(const Block& block, size_t pixel, uint32_t count, vec4* to) const;
     template <typename Visit>

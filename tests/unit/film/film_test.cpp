@@ -311,6 +311,52 @@ TEST(Film, WhatIsBrighterThanWhiteIsWhite) {
     EXPECT_NEAR(bright.relativeError(), std::min(1.0, 2.0 * plain.relativeError()), 1e-9) << "the mean of 2 is 1";
 }
 
+/// A film of 64 x 64 pixels, white from 1 on, in which sample i of a pixel has the grey value(x, y, i).
+template <typename Value>
+void fillSmall(Film& film, uint32_t samples, Value value) {
+    film.reset(uvec2(64, 64), 1);
+    film.setWhite(1.0);
+    for (uint32_t sample = 0; sample < samples; sample++) {
+        TileResult result = resultFor(tileAt({0, 0}, {64, 64}, sample), vec4(0));
+        for (uint32_t i = 0; i < 64 * 64; i++) {
+            const float grey = value(i % 64, i / 64, sample);
+            result.radianceSum[i] = vec4(vec3(grey), grey * grey);
+        }
+        ASSERT_TRUE(film.add(result));
+    }
+}
+
+// As at the edge of a lamp: whether 4 or 8, it is white. But one sample of 16 that is far too bright makes nothing white.
+TEST(Film, WhatIsWhiteByMoreThanItMayErrHasNoError) {
+    Film even, lamp, spark;
+    auto grain = [](uint32_t sample) { return (sample & 1u) != 0 ? 0.6f : 0.4f; };
+    fillSmall(even, 16, [&](uint32_t x, uint32_t, uint32_t sample) { return x < 32 ? 6.0f : grain(sample); });
+    fillSmall(lamp, 16, [&](uint32_t x, uint32_t, uint32_t sample) {
+        return x < 32 ? ((sample & 1u) != 0 ? 8.0f : 4.0f) : grain(sample);
+    });
+    fillSmall(spark, 16,
+              [&](uint32_t x, uint32_t, uint32_t sample) { return x < 32 ? (sample == 7 ? 1000.0f : 0.0f) : grain(sample); });
+    EXPECT_GT(even.relativeError(), 0.0);
+    EXPECT_NEAR(lamp.relativeError() / even.relativeError(), 1.0, 0.01);
+    EXPECT_EQ(spark.relativeError(), 1.0);
+}
+
+// In a small picture a sixteenth of the pixels would be too few. The parts of the cells, which those alone decide, sum up to as much.
+TEST(Film, AllPixelsOfASmallPictureTellItsError) {
+    Film judgedGrainier, judgedFiner;
+    auto grainy = [](bool more, uint32_t sample) { return 0.5f + ((sample & 1u) != 0 ? 1.0f : -1.0f) * (more ? 0.4f : 0.1f); };
+    auto judged = [](uint32_t x, uint32_t y) { return x % ErrorHistory::STEP == y * 5 % ErrorHistory::STEP; };
+    fillSmall(judgedGrainier, 16, [&](uint32_t x, uint32_t y, uint32_t sample) { return grainy(judged(x, y), sample); });
+    fillSmall(judgedFiner, 16, [&](uint32_t x, uint32_t y, uint32_t sample) { return grainy(!judged(x, y), sample); });
+    // Mean squares: (16 + 15) / 16 of the smaller one, and (1 + 15 * 16) / 16.
+    EXPECT_NEAR(judgedFiner.relativeError() / judgedGrainier.relativeError(), std::sqrt(241.0 / 31.0), 0.05);
+    for (const Film* film : {&judgedGrainier, &judgedFiner}) {
+        double sum = 0.0;
+        for (const CellError& cell : film->errorParts()) sum += cell.square;
+        EXPECT_NEAR(std::sqrt(sum) / film->relativeError(), 1.0, 0.01);
+    }
+}
+
 // The thousandth that is worst is left out: one pixel in 64 x 64 judged by every 16th.
 TEST(Film, AFewPixelsDoNotMakeTheFigure) {
     Film film;
