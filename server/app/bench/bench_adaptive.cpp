@@ -51,7 +51,8 @@ void addBenchAdaptive(CLI::App& bench, std::function<int()>& run) {
     auto options = std::make_shared<BenchAdaptiveOptions>();
     CLI::App* command = bench.add_subcommand("adaptive", "What samples by need save on the way to an error target");
     addScenesOptions(*command, *options);
-    addValue(*command, "--views", options->views, "N", "Views of each scene at most: its cameras, then places along its path");
+    addValue(*command, "--views", options->views, "N",
+             "Views of each scene: its cameras, then places along its path or turned views");
     addValue(*command, "--target", options->target, "%", "Error to come down to");
     addValue(*command, "--samples", options->samples, "N", "Samples of a pixel at most");
     addValue(*command, "--reference", options->reference, "N", "Samples of the reference, which has other noise");

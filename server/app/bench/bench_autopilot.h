@@ -12,6 +12,9 @@ struct BenchAutopilotOptions : ScenesOptions {
     BenchAutopilotOptions() : ScenesOptions({"courtyard", "cathedral", "glass"}, "1280x720") {}
     double budget = 33.0;  // ms
     int64_t frames = 120;  // of a flight
+    double front = 0.0;    // seconds of the sweep beside each; 0: none
+    double goal = 0.0;     // largest ratio of a flight's error and the front's; 0: any
+    int64_t reference = 512;
 };
 
 /// Prints its result and returns the exit code. Throws InputError before any work if an argument is bad.

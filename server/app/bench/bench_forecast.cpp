@@ -12,13 +12,14 @@ namespace heliograph {
 
 namespace {
 
-constexpr int64_t MOST_VIEWS = 16, MOST_SAMPLES = 4096, MOST_FORECAST_REFERENCE = 1 << 20;
+constexpr int64_t MOST_VIEWS = 64, MOST_SAMPLES = 4096, MOST_FORECAST_REFERENCE = 1 << 20;
 
 void checkBounds(const BenchForecastOptions& options) {
     checkWithin("--views", options.views, 1, MOST_VIEWS);
     checkWithin("--samples", options.samples, FORETOLD_FROM, MOST_SAMPLES);
     checkWithin("--reference", options.reference, 2 * Reference::RUN, MOST_FORECAST_REFERENCE);
     checkPowerOfTwo("--samples", options.samples);
+    checkWithin("--goal", options.goal, 0.0, 100.0);
 }
 
 }  // namespace
@@ -42,17 +43,20 @@ int runBenchForecast(const BenchForecastOptions& options, std::ostream& out) {
         }
     });
     printRows(options, checked, out);
-    return 0;
+    return 100.0 * foretoldShare(checked) >= options.goal ? 0 : 1;
 }
 
 void addBenchForecast(CLI::App& bench, std::function<int()>& run) {
     auto options = std::make_shared<BenchForecastOptions>();
     CLI::App* command = bench.add_subcommand("forecast", "Whether pictures tell their own error truly, now and ahead");
     addScenesOptions(*command, *options);
-    addValue(*command, "--views", options->views, "N", "Views of each scene at most: its cameras, then places along its path");
+    addValue(*command, "--views", options->views, "N",
+             "Views of each scene: its cameras, then places along its path or turned views");
     addValue(*command, "--samples", options->samples, "N",
              "Samples of the picture, a power of two; judged at each power of two");
     addValue(*command, "--reference", options->reference, "N", "Samples of the reference, which has other noise");
+    addValue(*command, "--goal", options->goal, "%",
+             "Exit code 1 where fewer of the forecasts are 0.7 to 1.4 of what is measured");
     addRenderOptions(*command, *options);
     addJsonOption(*command, *options);
     command->footer(
@@ -61,7 +65,8 @@ void addBenchForecast(CLI::App& bench, std::function<int()>& run) {
         "also where a viewer's picture would end.\n"
         "Examples:\n"
         "  heliograph bench forecast courtyard --set errorTarget=2\n"
-        "  heliograph bench forecast courtyard model.glb --views 4 --set ambientOcclusion=on --json");
+        "  heliograph bench forecast courtyard model.glb --views 4 --set ambientOcclusion=on --json\n"
+        "  heliograph bench forecast courtyard cathedral glass cornell model.glb --views 12 --size 640x360 --goal 90");
     command->callback([&run, options] { run = [options] { return runBenchForecast(*options, std::cout); }; });
 }
 

@@ -13,6 +13,7 @@ struct BenchForecastOptions : ScenesOptions {
     int64_t views = 2;         // of each scene, at most
     int64_t samples = 256;     // a power of two
     int64_t reference = 2048;  // samples
+    double goal = 0.0;         // % of the forecasts that have to lie within the ratios
 };
 
 /// Prints its result and returns the exit code. Throws InputError before any work if an argument is bad.

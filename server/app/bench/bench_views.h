@@ -34,7 +34,8 @@ struct NamedView {
     Camera camera;
 };
 
-/// At most so many: the scene's cameras first, then places along its first path.
+/// So many: the scene's cameras first, then places along its first path. Of a scene without a path the first camera, turned about the
+/// upright in even steps, around the scene where it stands outside.
 std::vector<NamedView> viewsOf(const Scene& scene, size_t most, GivenSettings given);
 
 using SceneVisit = std::function<void(Renderer& device, const Scene& scene, const Progress& progress)>;

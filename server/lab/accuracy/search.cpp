@@ -71,4 +71,17 @@ void AccuracySweep::search(const Progress& progress) {
     }
 }
 
+size_t AccuracySweep::measure(const Settings& settings, const Progress& progress) {
+    const size_t index = pointOf(differences(options_.settings, settings), settings);
+    AccuracyPoint& point = points_[index];
+    while (point.time.first.wallMs.size() < options_.repetitions) timeOnce(point);
+    if (!point.measured) judge(point, latest_);
+    const auto row = std::ranges::find(rows_, index, &AccuracyRow::point);
+    const auto found = static_cast<size_t>(row - rows_.begin());
+    if (row == rows_.end()) rows_.push_back({"combination", joined(point.set, " "), false, false, index});
+    say(progress, rows_[found].value);
+    step();
+    return found;
+}
+
 }  // namespace heliograph

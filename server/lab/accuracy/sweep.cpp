@@ -308,6 +308,14 @@ std::vector<size_t> AccuracySweep::front() const {
     return front;
 }
 
+std::optional<size_t> AccuracySweep::bestWithin(double ms) const {
+    std::optional<size_t> best;  // the front grows dearer and better
+    for (size_t row : front()) {
+        if (timeOf(points_[rows_[row].point]).ms <= ms) best = row;
+    }
+    return best;
+}
+
 void AccuracySweep::run(const Progress& progress) {
     begin_ = frames_.seconds();
     makeReferences(progress);

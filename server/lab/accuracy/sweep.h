@@ -9,6 +9,7 @@
 #include "server/request/setting_caps.h"
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -86,6 +87,9 @@ public:
     /// References, rounds over all points, combinations: until the budget is spent, but each point once at least.
     void run(const Progress& progress);
 
+    /// After `run`: measures these settings, too, as often as the others at most, whatever is left of the budget. Returns their row.
+    size_t measure(const Settings& settings, const Progress& progress);
+
     const AccuracyOptions& options() const { return options_; }
     const std::vector<AccuracyPoint>& points() const { return points_; }
     const std::vector<AccuracyRow>& rows() const { return rows_; }
@@ -103,6 +107,8 @@ public:
     const std::string& device() const { return device_; }
     /// Row indices of the front by time and `judged().rmse`, of rows that are judged by the view's own reference.
     std::vector<size_t> front() const;
+    /// The front's row of the least error that takes no longer; nothing where none does.
+    std::optional<size_t> bestWithin(double ms) const;
     /// The picture of a point in the first view, rendered once more.
     LinearPicture picture(const AccuracyPoint& point);
     DisplayImage shown(const LinearPicture& picture) const;

@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/film/adaptive_plan.h"
+#include "server/film/error_model.h"
 #include "server/lab/live/truth.h"
 
 #include <algorithm>
@@ -95,7 +96,66 @@ public:
         return picture;
     }
 
+    /// Says what no choice of samples goes below.
+    void tellLeast(const Truth& truth, AdaptiveView& view) const {
+        const uint32_t samples = film_.completedSamples();
+        const double edges = film_.edgeShare();
+        const double power = std::log2(errorDecay(samples, edges) / errorDecay(2.0 * samples, edges));
+        const std::vector<double> costs = cellCosts();
+        std::vector<CellError> told = film_.errorParts(), measured = measuredParts(truth), pixels;
+        if (told.size() != costs.size()) return;  // black
+        std::vector<vec4> developed(truth.pixels.size());
+        film_.developWithVariance(0, request_.resolution.y, edges, developed.data());
+        for (size_t cell = 0; cell < costs.size(); cell++) told[cell].cost = measured[cell].cost = costs[cell];
+        for (size_t i = 0; i < developed.size(); i++) {
+            const uvec2 place(i % request_.resolution.x, i / request_.resolution.x);
+            const double square = luminanceOf(vec3(developed[i])) > truth.white ? 0.0 : static_cast<double>(developed[i].w);
+            pixels.push_back({square, samples, costs[cellOf(place)] / pixelsOf(cellOf(place))});
+        }
+        view.leastTold = leastCost(told, power);
+        view.leastMeasured = leastCost(measured, power);
+        view.leastByPixels = leastCost(pixels, power);
+    }
+
 private:
+    size_t cellOf(uvec2 pixel) const {
+        return static_cast<size_t>(pixel.y / CELL_SIZE) * film_.cellCount().x + pixel.x / CELL_SIZE;
+    }
+    double pixelsOf(size_t cell) const {
+        const uvec2 first = uvec2(cell % film_.cellCount().x, cell / film_.cellCount().x) * CELL_SIZE;
+        const uvec2 size = glm::min(first + CELL_SIZE, request_.resolution) - first;
+        return static_cast<double>(size.x) * size.y;
+    }
+    /// Of a sample of each cell.
+    std::vector<double> cellCosts() const {
+        std::vector<double> costs;
+        for (size_t cell = 0; cell < static_cast<size_t>(film_.cellCount().x) * film_.cellCount().y; cell++) {
+            const bool known = view_.costs.cells() == film_.cellCount();
+            costs.push_back(known ? std::max(1.0, static_cast<double>(view_.costs.predicted(static_cast<uint32_t>(cell))))
+                                  : pixelsOf(cell));
+        }
+        return costs;
+    }
+    /// Squared errors against the truth, by cell, without what the truth's own error makes of them and without the worst thousandth.
+    std::vector<CellError> measuredParts(const Truth& truth) const {
+        std::vector<vec4> developed;
+        film_.develop(developed);
+        const std::vector<double> pixels = luminances(developed, truth.white);
+        std::vector<double> squares;
+        for (size_t i = 0; i < pixels.size(); i++)
+            squares.push_back((pixels[i] - truth.pixels[i]) * (pixels[i] - truth.pixels[i]));
+        std::vector<double> ordered = squares;
+        const auto worst = ordered.end() - 1 - static_cast<ptrdiff_t>(1e-3 * static_cast<double>(ordered.size()));
+        std::nth_element(ordered.begin(), worst, ordered.end());
+        std::vector<CellError> parts(static_cast<size_t>(film_.cellCount().x) * film_.cellCount().y);
+        for (size_t i = 0; i < squares.size(); i++) {
+            const uvec2 place(i % request_.resolution.x, i / request_.resolution.x);
+            if (squares[i] <= *worst) parts[cellOf(place)].square += squares[i] - truth.ownSquare;
+        }
+        for (CellError& part : parts) part.square = std::max(0.0, part.square);
+        return parts;
+    }
+
     Renderer& renderer_;
     FrameRequest request_;
     AdaptiveBounds bounds_;
@@ -145,6 +205,16 @@ std::string line(const AdaptiveView& view, const char* what, const AdaptivePictu
 
 }  // namespace
 
+double leastCost(std::span<const CellError> parts, double power) {
+    double best = 0.0, costs = 0.0, squares = 0.0;
+    for (const CellError& part : parts) {
+        best += std::pow(std::pow(part.cost, power) * part.square, 1.0 / (power + 1.0));
+        costs += part.cost;
+        squares += part.square;
+    }
+    return squares > 0.0 ? std::pow(best, (power + 1.0) / power) / (costs * std::pow(squares, 1.0 / power)) : 1.0;
+}
+
 AdaptiveView checkAdaptive(Renderer& renderer, const FrameRequest& request, const AdaptiveBounds& bounds,
                            const Progress& progress) {
     RendererFrames frames(renderer);
@@ -171,7 +241,10 @@ AdaptiveView checkAdaptive(Renderer& renderer, const FrameRequest& request, cons
     for (uint32_t next = 2; view.equal.samples == 0.0 || above;) {
         uniform.addPass(nullptr);
         report(progress, "uniform", static_cast<double>(uniform.samples()) / bounds.samples);
-        if (above && !(above = uniform.uniformGoesOn())) view.uniform = uniform.measured(truth);
+        if (above && !(above = uniform.uniformGoesOn())) {
+            view.uniform = uniform.measured(truth);
+            uniform.tellLeast(truth, view);
+        }
         if (uniform.samples() < next) continue;
         next += next / GROWTH + 1;
         const AdaptivePicture now = uniform.measured(truth);
@@ -186,15 +259,17 @@ nlohmann::ordered_json toJson(const std::vector<AdaptiveView>& views) {
     nlohmann::ordered_json json;
     json["views"] = nlohmann::ordered_json::array();
     for (const AdaptiveView& view : views) {
-        json["views"].push_back({{"scene", view.scene},
-                                 {"view", view.view},
-                                 {"reference_error", view.referenceError},
-                                 {"reached", view.reached},
-                                 {"time_ratio", view.timeRatio()},
-                                 {"ray_ratio", view.rayRatio()},
-                                 {"uniform", toJson(view.uniform)},
-                                 {"adaptive", toJson(view.adaptive)},
-                                 {"equal", toJson(view.equal)}});
+        json["views"].push_back(
+            {{"scene", view.scene},
+             {"view", view.view},
+             {"reference_error", view.referenceError},
+             {"reached", view.reached},
+             {"time_ratio", view.timeRatio()},
+             {"ray_ratio", view.rayRatio()},
+             {"least", {{"told", view.leastTold}, {"measured", view.leastMeasured}, {"by_pixels", view.leastByPixels}}},
+             {"uniform", toJson(view.uniform)},
+             {"adaptive", toJson(view.adaptive)},
+             {"equal", toJson(view.equal)}});
     }
     return json;
 }
@@ -209,6 +284,11 @@ std::string toTable(const std::vector<AdaptiveView>& views) {
         std::snprintf(text, sizeof text,
                       "  adaptive over uniform of the same measured error: %.2f of the time, %.2f of the rays%s\n",
                       view.timeRatio(), view.rayRatio(), view.reached ? "" : "; the target was not reached");
+        table += text;
+        std::snprintf(text, sizeof text,
+                      "  the best choice of samples takes %.2f of the time by what cells tell, %.2f by what was measured of "
+                      "them, %.2f by what pixels tell\n",
+                      view.leastTold, view.leastMeasured, view.leastByPixels);
         table += text;
         const double adding = view.uniform.coreSeconds + view.uniform.addingSeconds;
         std::snprintf(text, sizeof text,

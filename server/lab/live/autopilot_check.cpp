@@ -65,6 +65,30 @@ double worstOf(const AutopilotFlight& flight) {
     return std::ranges::max_element(flight.frames, {}, &AutopilotFrame::seconds)->seconds;
 }
 
+nlohmann::ordered_json frontJson(const AutopilotFlight& flight) {
+    if (!flight.front) return nullptr;
+    const FrontPlace& place = *flight.front;
+    return {{"share", place.share},
+            {"set", place.set},
+            {"ms", place.ms},
+            {"error", place.error},
+            {"best", place.best},
+            {"best_ms", place.bestMs},
+            {"best_error", place.bestError},
+            {"reference_error", place.referenceError},
+            {"ratio", place.ratio()}};
+}
+
+std::string frontLines(const FrontPlace& place) {
+    char line[160];
+    std::snprintf(line, sizeof line, "  beside the front, %.0f %% of the frames: %.1f ms, error %.2f %%: ", 100.0 * place.share,
+                  place.ms, 100.0 * place.error);
+    std::string text = line + place.set + "\n";
+    std::snprintf(line, sizeof line, "  best for the time: %.1f ms, %.2f %% (reference %.2f %%), ratio %.2f: ", place.bestMs,
+                  100.0 * place.bestError, 100.0 * place.referenceError, place.ratio());
+    return text + line + place.best + "\n";
+}
+
 }  // namespace
 
 double AutopilotFlight::within(double budgets) const {
@@ -76,7 +100,7 @@ AutopilotFlight flyWithAutopilot(Renderer& renderer, const Scene& scene, FrameRe
                                  const Progress& progress) {
     constexpr int RESTING = 3;  // pictures before the flight: as much as a viewer has seen before it moves
     AutopilotFlight flight{scene.name, request.resolution, bounds.budget, 0.0, ladderOf(request.settings, effectsOf(scene)),
-                           {}};
+                           {},         std::nullopt};
     std::vector<double> shares;
     for (const LadderRung& rung : flight.rungs) shares.push_back(rung.share);
     LadderCosts costs;
@@ -131,7 +155,8 @@ nlohmann::ordered_json toJson(const std::vector<AutopilotFlight>& flights) {
                                    {"ms_worst", 1e3 * worstOf(flight)},
                                    {"changes", changesOf(flight)},
                                    {"rungs", rungs},
-                                   {"scales", scales}});
+                                   {"scales", scales},
+                                   {"front", frontJson(flight)}});
     }
     return json;
 }
@@ -156,6 +181,7 @@ std::string toTable(const std::vector<AutopilotFlight>& flights) {
                           100.0 * scaleOf(place.second));
             table += line;
         }
+        if (flight.front) table += frontLines(*flight.front);
     }
     return table;
 }

@@ -9,11 +9,24 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 namespace heliograph {
 
 struct AutopilotFrame {
     double seconds = 0.0;  // of the pass
     LadderChoice at;
+};
+
+/// Where most pictures of a flight are beside the best that was measured for as much time.
+struct FrontPlace {
+    double share = 0.0;     // of the frames
+    std::string set, best;  // what differs from what was asked for: there, and of the best
+    double ms = 0.0, error = 0.0;
+    double bestMs = 0.0, bestError = 0.0;  // of all that were measured and take no longer
+    double referenceError = 0.0;
+
+    double ratio() const { return error / bestError; }
 };
 
 struct AutopilotFlight {
@@ -23,6 +36,7 @@ struct AutopilotFlight {
     double wholeSeconds = 0.0;      // of a pass with everything, before the flight, from where the path begins
     std::vector<LadderRung> rungs;  // of the scene
     std::vector<AutopilotFrame> frames;
+    std::optional<FrontPlace> front;  // where it was asked for
 
     /// Part of the frames that took no more than so many budgets.
     double within(double budgets) const;
@@ -43,7 +57,8 @@ AutopilotFlight flyWithAutopilot(Renderer& renderer, const Scene& scene, FrameRe
                                  const Progress& progress);
 
 /// {flights: [{scene, width, height, budget_ms, whole_ms, frames, within, ms_median, ms_p95, ms_worst, changes, rungs: [{setting,
-/// before, after, share, frames}], scales: [{scale, frames}]}], held_within}
+/// before, after, share, frames}], scales: [{scale, frames}], front: null or {share, set, ms, error, best, best_ms, best_error,
+/// reference_error, ratio}}], held_within}
 nlohmann::ordered_json toJson(const std::vector<AutopilotFlight>& flights);
 std::string toTable(const std::vector<AutopilotFlight>& flights);
 

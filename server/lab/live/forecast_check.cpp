@@ -89,15 +89,20 @@ struct Within {
 
 struct Summary {
     Within estimated, foretold, independent;
+    size_t views = 0, viewsWithin = 0;  // with a forecast that counts; of them: all of whose forecasts are within
 
-    explicit Summary(const std::vector<ForecastView>& views) {
-        for (const ForecastView& view : views) {
+    explicit Summary(const std::vector<ForecastView>& all) {
+        for (const ForecastView& view : all) {
+            const Within before = foretold;
             for (const ForecastRow& row : view.rows) {
                 if (row.samples < FORETOLD_FROM || !row.counts()) continue;
                 estimated.add(row.ratio());
                 independent.add(row.independent / row.measured);
                 if (row.samples > FORETOLD_FROM) foretold.add(row.foretoldRatio());
             }
+            const size_t rows = foretold.rows - before.rows;
+            views += rows > 0;
+            viewsWithin += rows > 0 && foretold.within - before.within == rows;
         }
     }
 };
@@ -135,6 +140,8 @@ ForecastView checkForecast(Renderer& renderer, const FrameRequest& request, cons
     return view;
 }
 
+double foretoldShare(const std::vector<ForecastView>& views) { return Summary(views).foretold.share(); }
+
 nlohmann::ordered_json toJson(const std::vector<ForecastView>& views) {
     nlohmann::ordered_json json;
     json["views"] = nlohmann::ordered_json::array();
@@ -168,6 +175,8 @@ nlohmann::ordered_json toJson(const std::vector<ForecastView>& views) {
     add("estimated", summary.estimated);
     add("foretold", summary.foretold);
     add("independent", summary.independent);
+    json["views_that_count"] = summary.views;
+    json["views_within"] = summary.viewsWithin;
     return json;
 }
 
@@ -199,6 +208,9 @@ std::string toTable(const std::vector<ForecastView>& views) {
     add("estimated by the film, from 16 samples on", summary.estimated);
     add("foretold from the first 16 samples", summary.foretold);
     add("if samples were independent", summary.independent);
+    std::snprintf(line, sizeof line, "views all of whose forecasts are within: %zu of %zu\n", summary.viewsWithin,
+                  summary.views);
+    table += line;
     return table;
 }
 

@@ -51,8 +51,11 @@ struct ForecastBounds {
 ForecastView checkForecast(Renderer& renderer, const FrameRequest& request, const ForecastBounds& bounds,
                            const Progress& progress);
 
+/// Share of the forecasts that lie within LEAST_RATIO and MOST_RATIO, of those from FORETOLD_FROM samples on that count; 0: none does.
+double foretoldShare(const std::vector<ForecastView>& views);
+
 /// {views: [{scene, view, stopped (null: not at all), rows: [{samples, estimated, independent, foretold, measured, reference_error, edge_share, counts}]}],
-/// least_ratio, most_ratio, from_samples, rows, rows_within, share_within, foretold, foretold_within, foretold_share_within}: of
+/// least_ratio, most_ratio, from_samples, estimated, foretold, independent: {rows, within, share}, views_that_count, views_within}: of
 /// the rows from `from_samples` on that count.
 nlohmann::ordered_json toJson(const std::vector<ForecastView>& views);
 /// The same for people: a line for each row, and what it comes to.
