@@ -1,6 +1,7 @@
 #include "server/request/effect_rules.h"
 
 #include "server/base/text.h"
+#include "server/request/counted.h"
 #include "server/scene/material_layers.h"
 #include "server/scene/shape.h"
 
@@ -53,16 +54,6 @@ private:
         }
     }
 };
-
-std::string withThousands(uint64_t number) {
-    std::string digits = std::to_string(number);
-    for (size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
-    return digits;
-}
-
-std::string counted(uint64_t number, const std::string& noun, const char* plural = "s") {
-    return withThousands(number) + " " + noun + (number == 1 ? "" : plural);
-}
 
 struct Finding {
     bool calledFor = false;

@@ -215,13 +215,10 @@ vec3 emittedRadiance(IN(Shading) m, vec3 throughput) { return throughput * m.emi
 // Share of a glowing surface's light that the path brings; rays to sampled lights bring the rest.
 float glowShare(IN(PathState) p, IN(Surface) s, Hit hit) {
     if (!HAS_LAMPS) return 1.0f;
-    float share = 1.0f;
+    float density = 0.0f;
     bool shared_ = sharesLight(p) && MATERIAL(s.material, emission).w > 0.0f;
-    if (ANY(shared_)) {
-        float density = emitterDensity(s, hit, p.direction, p.way + max(s.distance, 0.0f));
-        share = SELECT(shared_, balance(p.lobe, density), 1.0f);
-    }
-    return share;
+    if (ANY(shared_)) density = emitterDensity(s, hit, p.direction, p.way + max(s.distance, 0.0f));
+    return SELECT(shared_, balance(p.lobe, density), 1.0f);
 }
 
 // How the rays `next` and those that leave by facets share the light of sampled places with rays to those; without the coat.

@@ -140,7 +140,11 @@ NamedCamera defaultCamera(const Scene& scene, std::optional<Framing>& framing) {
         return camera;
     }
     framing = framingOf(scene, center, camera);
-    return framed(*framing, camera, USUAL_ASPECT);
+    const NamedCamera fitted = framed(*framing, camera, USUAL_ASPECT);
+    if (std::isfinite(fitted.position.x + fitted.position.y + fitted.position.z)) return fitted;
+    framing.reset();  // planes alone: nothing that could be fitted
+    camera.position = vec3(center + DEFAULT_VIEW * (3.0 * scene.bounds.radius()));
+    return camera;
 }
 
 NamedCamera cameraFromAfar(const NamedCamera& parallel, float halfHeight, const Bounds& bounds) {

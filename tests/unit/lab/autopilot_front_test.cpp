@@ -1,7 +1,7 @@
 #include "server/lab/live/autopilot_front.h"
 
 #include "server/device/embree/embree_device.h"
-#include "server/request/surroundings.h"
+#include "server/request/effect_rules.h"
 #include "server/scene/load/scene_source.h"
 #include "tests/support/direct_renderer.h"
 

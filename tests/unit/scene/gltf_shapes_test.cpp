@@ -61,6 +61,7 @@ TEST(GltfShapes, APlaneMakesNoSceneLarger) {
     EXPECT_GT(shapeBounds(both->instances[1]).high.x, 1000.0f);
     const auto plane = opened(fileWith(node(R"({"kind":"plane"})", R"("translation":[0,7,0],)")));
     EXPECT_NEAR(plane->bounds.center().y, 7.0f, 1e-5f);
+    EXPECT_GT(plane->cameras.at(0).position.y, 7.5f) << "seen from above";
 }
 
 TEST(GltfShapes, WhatAKindHasNoUseForIsTold) {

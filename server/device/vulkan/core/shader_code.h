@@ -9,7 +9,7 @@ namespace heliograph::shaders {
 
 using Words = std::span<const uint32_t>;
 
-/// What gzip packed. Throws std::runtime_error unless that is exactly `bytes`, whole words.
+/// What gzip packed: the first bytes of all words, then their second ones and so on. Throws std::runtime_error unless that is exactly `bytes`, whole words.
 std::vector<uint32_t> unpacked(std::span<const unsigned char> packed, size_t bytes);
 
 Words traceWide2();  // trace.comp for trees of two children, storage buffers
