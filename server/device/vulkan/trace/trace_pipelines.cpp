@@ -33,7 +33,8 @@ uint32_t pathStackSize(EffectSet effects, const Settings& settings) {
     if (effects.has(EFFECT_PATH)) return 1;
     // The ray pushed last is traced first, in the order refraction, pass, reflection, coat. So along the chain of rays that leads
     // to a pixel's deepest one, a refraction leaves up to two others waiting, a pass one, a reflection none.
-    uint32_t reflects = effects.has(EFFECT_REFLECTIONS) && settings.maxReflections > 0 ? 1 : 0;
+    const bool mirrors = effects.has(EFFECT_REFLECTIONS) || effects.has(EFFECT_GLOSSY_REFLECTIONS);
+    const uint32_t reflects = mirrors && settings.maxReflections > 0 ? 1 : 0;
     uint32_t refractions = effects.has(EFFECT_REFRACTIONS) ? settings.maxRefractions : 0;
     uint32_t layers = effects.has(EFFECT_ALPHA_BLEND) ? scalar_kernel::Kernel<0>::MAX_ALPHA_LAYERS : 0;
     uint32_t passes = layers > 0 ? 1 : 0;

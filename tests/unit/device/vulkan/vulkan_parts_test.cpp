@@ -132,6 +132,8 @@ TEST(PathStack, HoldsTheWorstBranchingAndNoMoreThanNeeded) {
     EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS}, settings), 16u);
     EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_ALPHA_BLEND}, settings), 40u);
     EXPECT_EQ(pathStackSize(EffectSet{EFFECT_INDIRECT_LIGHT}, settings), 1u);
+    EXPECT_EQ(pathStackSize(EffectSet{EFFECT_INDIRECT_LIGHT | EFFECT_GLOSSY_REFLECTIONS}, settings),
+              pathStackSize(EffectSet{EFFECT_INDIRECT_LIGHT | EFFECT_REFLECTIONS}, settings));
     // Ten surfaces before the first bounce leave one each.
     EXPECT_EQ(pathStackSize(EffectSet{EFFECT_REFLECTIONS | EFFECT_REFRACTIONS | EFFECT_INDIRECT_LIGHT}, settings), 24u);
 }
