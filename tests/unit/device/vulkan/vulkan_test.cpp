@@ -146,13 +146,13 @@ TEST_F(Vulkan, AllEffectsTogetherAreEmbreesBitForBit) {
     auto cpu = makeEmbreeDevice();
     gpu->load(scene, settings, {});
     cpu->load(scene, settings, {});
-    FrameRequest request = requestFor(*scene, settings, {67, 45});
+    FrameRequest request = requestFor(*scene, settings, {134, 90});
     request.camera = checkedCamera(cameraFrom(test::zooCamera()));
     request.previousCamera = request.camera;
     request.previousCamera->position.x -= 0.1f;
     EXPECT_EQ(std::popcount(request.effects.bits >> 16), 10) << "those seven, lamps, rough glass and images of occlusion";
     // A pixel in a thousand may hang on which of two triangles a ray meets at their common edge.
-    EXPECT_LE(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 3u);
+    EXPECT_LE(differing(picture(*gpu, request, 2), picture(*cpu, request, 2)), 12u);
 }
 
 TEST_F(Vulkan, ManyLightsAreThoseOfEmbree) {
