@@ -8,8 +8,6 @@ namespace heliograph {
 
 namespace {
 
-constexpr double MOST_CORRECTION = 0.3;  // power
-constexpr double PRIOR = 1.0;            // weight of no correction, in squared doublings
 constexpr double MOST_DOUBLINGS = 32.0;  // that are foretold to, from one sample
 constexpr double LOOK_BACK = 4.0;        // doublings of the samples
 constexpr double STEP = 0.25;            // doublings between the points that count: pictures come ever denser
@@ -51,7 +49,7 @@ double rateOf(const std::vector<LogPoint>& points) {
 double ErrorForecast::errorAt(double at) const {
     if (samples == 0 || !(at >= samples)) return samples == 0 ? 1.0 : error;
     if (plateau) return error;
-    return std::min(1.0, error * law(at) / law(samples) * std::pow(at / samples, -correction));
+    return std::min(1.0, error * law(at) / law(samples));
 }
 
 std::optional<double> ErrorForecast::samplesUntil(double wanted) const {
@@ -82,20 +80,16 @@ ErrorForecast forecastError(std::span<const ErrorPoint> history, ErrorLaw law) {
     forecast.samples = static_cast<uint32_t>(newest.samples);
     forecast.error = std::exp2(newest.log);
     const auto count = static_cast<double>(points.size());
-    double meanX = 0.0, meanY = 0.0, meanOff = 0.0;
-    const auto off = [&](const LogPoint& point) { return point.log - std::log2(law(point.samples)); };
+    double meanX = 0.0, meanY = 0.0;
     for (const LogPoint& point : points) {
         meanX += point.doublings / count;
         meanY += point.log / count;
-        meanOff += off(point) / count;
     }
-    double xx = 0.0, xy = 0.0, xOff = 0.0;
+    double xx = 0.0, xy = 0.0;
     for (const LogPoint& point : points) {
         xx += (point.doublings - meanX) * (point.doublings - meanX);
         xy += (point.doublings - meanX) * (point.log - meanY);
-        xOff += (point.doublings - meanX) * (off(point) - meanOff);
     }
-    forecast.correction = std::clamp(-xOff / (PRIOR + xx), -MOST_CORRECTION, MOST_CORRECTION);
     const double span = newest.doublings - points.back().doublings;
     forecast.plateau = span >= PLATEAU_SPAN && -xy / xx < PLATEAU_SLOPE;
     forecast.samplesPerSecond = rateOf(points);

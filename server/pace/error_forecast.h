@@ -19,12 +19,11 @@ struct ErrorPoint {
 /// By how much the error of n samples is expected to be less than that of one, as a share; falls with n.
 using ErrorLaw = std::function<double(double samples)>;
 
-/// From the newest point on errors go as the law says times (n / samples)^-correction.
+/// From the newest point on errors go as the law says.
 struct ErrorForecast {
     uint32_t samples = 0;           // of the newest point; 0: nothing is known
     double error = 1.0;             // there
     ErrorLaw law;                   // set where something is known
-    double correction = 0.0;        // power, -0.3 to 0.3
     bool plateau = false;           // more samples have not helped lately, and nothing tells that they will
     double samplesPerSecond = 0.0;  // 0: not known
 
@@ -39,8 +38,9 @@ struct ErrorForecast {
 /// The law of samples that are independent of each other: n^-1/2.
 double independentLaw(double samples);
 
-/// From points in the order in which they came, of one view with growing samples. Where errors were off the law, over the last four
-/// doublings of the samples and by least squares of the logarithms, they stay so; less, while there are few points.
+/// From points in the order in which they came, of one view with growing samples. How errors so far were off the law says nothing of
+/// what comes: with few samples they are estimates, whose own variance is still growing. Going on by it was measured, and is worse
+/// (docs/reference/accuracy.md).
 ErrorForecast forecastError(std::span<const ErrorPoint> history, ErrorLaw law = independentLaw);
 
 /// The next `count` errors of 1, 2, 5, 10 ... below this one, the largest first.
