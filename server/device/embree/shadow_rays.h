@@ -36,6 +36,7 @@ public:
 
 private:
     static constexpr bool NESTS = (EFFECTS & EFFECT_NESTED_MEDIA) != 0;
+    static constexpr uint32_t WORTH_SORTING = 64;  // rays
     static constexpr bool CATCHES = (EFFECTS & EFFECT_GROUND) != 0;
 
     /// As in effects/ground.glsl: a contribution that counts where something is in the way.
@@ -92,16 +93,21 @@ private:
         bool coloured = (EFFECTS & kernel_.frame.effects & EFFECT_TRANSPARENT_SHADOWS) != 0;  // else as if opaque
         TraceMode how{width, fromEye && job_.coherentShadows};
         if (traced) job_.rays[static_cast<size_t>(RayKind::shadow)] += queue.count;
+        const bool scattered = traced && !fromEye && queue.count >= WORTH_SORTING && queue.count <= RayOrder::MOST;
+        if (scattered) traceByDirection(queue, how);
         for (uint32_t first = 0; first < queue.count; first += PACKET) {
             RTCRay16& packet = queue.packets.data[first / PACKET];
             uint32_t rays = lesser(PACKET, queue.count - first);
             uint32_t blocked = 0;
             uint32_t passed = 0;
-            if (traced) {
+            if (scattered) {
+                blocked = arena_.blocked.data[first / PACKET];
+                passed = arena_.passed.data[first / PACKET];
+            } else if (traced) {
                 blocked = traceOccluded(job_.rtcScene, packet, rays, how, passed);
-                if (!coloured) blocked |= passed;
-                passed &= ~blocked;
             }
+            if (!coloured) blocked |= passed;
+            passed &= ~blocked;
             vec3 through[PACKET];
             if (passed) walk(packet, passed, queue, first, through);
             for (uint32_t i = 0; i < rays; i++) {
@@ -119,6 +125,43 @@ private:
                 arena_.radiance[1][lane] += radiance.y;
                 arena_.radiance[2][lane] += radiance.z;
             }
+        }
+    }
+
+    // Traces the queue in the order of the rays' directions, and tells the packets of the queue what they met.
+    void traceByDirection(const ShadowQueue& queue, TraceMode how) {
+        const uint32_t packets = (queue.count + PACKET - 1) / PACKET;
+        for (Buffer<uint16_t>* bits : {&arena_.blocked, &arena_.passed}) {
+            bits->reserve(packets);
+            std::memset(bits->data, 0, packets * sizeof *bits->data);
+        }
+        const uint16_t* order = arena_.rayOrder.sort(queue.packets.data, queue.count);
+        RTCRay16& rays = arena_.packet.ray;
+        for (uint32_t first = 0; first < queue.count; first += PACKET) {
+            const uint32_t count = lesser(PACKET, queue.count - first);
+            for (uint32_t i = 0; i < count; i++)
+                copyRay(rays, i, queue.packets.data[order[first + i] / PACKET], order[first + i] % PACKET);
+            uint32_t passed = 0;
+            const uint32_t blocked = traceOccluded(job_.rtcScene, rays, count, how, passed);
+            tell(arena_.blocked, blocked, order + first);
+            tell(arena_.passed, passed, order + first);
+        }
+    }
+
+    static HELIOGRAPH_INLINE void copyRay(RTCRay16& to, uint32_t i, const RTCRay16& from, uint32_t at) {
+        to.org_x[i] = from.org_x[at];
+        to.org_y[i] = from.org_y[at];
+        to.org_z[i] = from.org_z[at];
+        to.dir_x[i] = from.dir_x[at];
+        to.dir_y[i] = from.dir_y[at];
+        to.dir_z[i] = from.dir_z[at];
+        to.tfar[i] = from.tfar[at];
+    }
+
+    static void tell(Buffer<uint16_t>& packets, uint32_t met, const uint16_t* order) {
+        for (; met; met &= met - 1) {
+            const uint32_t ray = order[__builtin_ctz(met)];
+            packets.data[ray / PACKET] = static_cast<uint16_t>(packets.data[ray / PACKET] | 1u << ray % PACKET);
         }
     }
 

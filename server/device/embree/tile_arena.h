@@ -2,11 +2,9 @@
 // Memory in which one thread renders tiles: paths and radiance as structures of arrays, occlusion rays in packets, pending
 // paths on stacks. Allocated once, reused for every tile. Part of the tile programs: no shared inline code.
 
-#include "server/device/embree/tile_job.h"
+#include "server/device/embree/ray_order.h"
 #include "server/kernel/kernel_lanes.h"
 
-#include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <vector>
 
@@ -16,28 +14,6 @@ constexpr uint32_t BLOCK_LANES = 1024;  // pixels in work at once: a 32x32 block
 constexpr uint32_t END = 0xffffffffu;
 
 HELIOGRAPH_INLINE uint32_t lesser(uint32_t a, uint32_t b) { return a < b ? a : b; }
-
-/// Grows, never shrinks, does not initialise; 64-byte aligned.
-template <typename T>
-struct Buffer {
-    T* data = nullptr;
-    uint32_t capacity = 0;
-    Buffer() = default;
-    Buffer(const Buffer&) = delete;
-    Buffer& operator=(const Buffer&) = delete;
-    ~Buffer() { std::free(data); }
-    /// Makes room for `count` elements, keeping the first `kept`.
-    void reserve(uint32_t count, uint32_t kept = 0) {
-        if (count <= capacity) return;
-        size_t bytes = (size_t(count) * sizeof(T) + 63) / 64 * 64;
-        T* grown = static_cast<T*>(std::aligned_alloc(64, bytes));
-        if (!grown) throwNoMemory();
-        if (kept) std::memcpy(static_cast<void*>(grown), data, size_t(kept) * sizeof(T));
-        std::free(data);
-        data = grown;
-        capacity = count;
-    }
-};
 
 /// One value per pixel of the block in each array.
 struct alignas(64) PathArrays {
@@ -160,9 +136,14 @@ struct Arena {
     uint16_t active[BLOCK_LANES + PACKET];
     uint16_t hits[BLOCK_LANES + PACKET];
     uint16_t misses[BLOCK_LANES + PACKET];
+    uint16_t next[BLOCK_LANES];  // pixels whose path goes on, where none has to wait
     uint32_t activeCount = 0;
+    uint32_t nextCount = 0;
     PathStacks stacks;
     std::vector<std::unique_ptr<ShadowQueue>> shadows;  // by light
+    RayOrder rayOrder;
+    Buffer<uint16_t> blocked;  // of the packets of a queue that was traced in another order: their rays that met something,
+    Buffer<uint16_t> passed;   // and those that met what lets light through
     Buffer<OcclusionGroup> occlusion;
     uint32_t occlusionCount = 0;
     RTCRayHit16 packet;
@@ -224,6 +205,18 @@ struct Group {
         store(values[0], x.x);
         store(values[1], x.y);
         store(values[2], x.z);
+    }
+    /// Those whose bits are set alone.
+    HELIOGRAPH_INLINE void store(float* values, Float x, uint32_t bits) const {
+        for (; bits; bits &= bits - 1) values[lane.v[__builtin_ctz(bits)]] = x.v[__builtin_ctz(bits)];
+    }
+    HELIOGRAPH_INLINE void store(uint32_t* values, Uint x, uint32_t bits) const {
+        for (; bits; bits &= bits - 1) values[lane.v[__builtin_ctz(bits)]] = x.v[__builtin_ctz(bits)];
+    }
+    HELIOGRAPH_INLINE void store(float (&values)[3][BLOCK_LANES], Vec3 x, uint32_t bits) const {
+        store(values[0], x.x, bits);
+        store(values[1], x.y, bits);
+        store(values[2], x.z, bits);
     }
     /// Bits of the lanes that count.
     HELIOGRAPH_INLINE uint32_t mask() const { return count >= 32 ? ~0u : (1u << count) - 1u; }

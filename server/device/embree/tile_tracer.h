@@ -49,7 +49,8 @@ private:
             traceActive();
             shadeMisses();
             shadeHits();
-            popNext(lanes);
+            if (sendsOne()) takeNext();
+            else popNext(lanes);
             secondary_ = true;
         }
     }
@@ -124,6 +125,15 @@ private:
         path.lobe = g.load(from.lobe);
         path.way = g.load(from.way);
         return path;
+    }
+
+    // Whether at most one path goes on from a hit, so that none has to wait.
+    bool sendsOne() const { return (EFFECTS & kernel_.frame.effects & EFFECT_PATH) != 0; }
+
+    void takeNext() {
+        arena_.activeCount = arena_.nextCount;
+        std::memcpy(arena_.active, arena_.next, arena_.nextCount * sizeof *arena_.next);
+        arena_.nextCount = 0;
     }
 
     void popNext(uint32_t lanes) {
@@ -332,7 +342,37 @@ private:
         job_.mediaOverflows += having(KernelType::MEDIA_OVERFLOW);
     }
 
+    // Puts those of `path` whose bits are set in the place of the paths of their pixels.
+    HELIOGRAPH_INLINE void replacePath(const Group& g, const Path& path, uint32_t bits) {
+        PathArrays& to = arena_.path;
+        g.store(to.origin, path.origin, bits);
+        g.store(to.direction, path.direction, bits);
+        g.store(to.throughput, path.throughput, bits);
+        g.store(to.coneWidth, path.coneWidth, bits);
+        g.store(to.coneSpread, path.coneSpread, bits);
+        g.store(to.depth, path.depth, bits);
+        g.store(to.medium, path.medium, bits);
+        g.store(to.salt, path.salt, bits);
+        g.store(to.lobe, path.lobe, bits);
+        g.store(to.way, path.way, bits);
+    }
+
+    HELIOGRAPH_INLINE void goOn(const Group& g, const Arrival& a) {
+        uint32_t some = laneBits(a.next != Uint(0u)) & g.mask();
+#define HAS_LAYER(effect) ((EFFECTS & (effect)) != 0)
+#define REPLACE(bit, path) \
+    if (uint32_t bits = laneBits((a.next & Uint(uint32_t(KernelType::bit))) != Uint(0u)) & some) replacePath(g, a.path, bits);
+        FOR_NEXT_PATHS(REPLACE)
+#undef REPLACE
+#undef HAS_LAYER
+        for (; some; some &= some - 1) arena_.next[arena_.nextCount++] = static_cast<uint16_t>(g.lane.v[__builtin_ctz(some)]);
+    }
+
     HELIOGRAPH_INLINE void pushNext(const Group& g, const Arrival& a) {
+        if (sendsOne()) {
+            goOn(g, a);
+            return;
+        }
         uint32_t some = laneBits(a.next != Uint(0u)) & g.mask();
         for (; some; some &= some - 1) {
             int i = __builtin_ctz(some);
