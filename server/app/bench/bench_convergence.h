@@ -13,6 +13,7 @@ struct BenchConvergenceOptions : ScenesOptions {
     double target = 2.0;       // percent
     int64_t samples = 256;     // a power of two
     int64_t reference = 2048;  // samples
+    bool independence = false;
 };
 
 /// Prints its result and returns the exit code. Throws InputError before any work if an argument is bad.

@@ -144,8 +144,7 @@ void AccuracySweep::finishReferences() {
 }
 
 float AccuracySweep::ceiling() const {
-    constexpr float WHITE = 8.0f;  // the filmic curve ends at 7.24
-    return WHITE * std::exp2(-(scene_.exposure + options_.settings.exposure));
+    return whiteRadiance(scene_.exposure + options_.settings.exposure);
 }
 
 LinearPicture AccuracySweep::compared(const LinearPicture& picture) const {

@@ -2,6 +2,7 @@
 
 #include "server/base/clock.h"
 #include "server/lab/accuracy/reference.h"
+#include "server/lab/convergence/means.h"
 
 #include <algorithm>
 #include <bit>
@@ -28,18 +29,6 @@ double meanSquare(const LinearPicture& a, const LinearPicture& b, const std::vec
     return count > 0.0 ? sum / count : 0.0;
 }
 
-double meanOfAll(const LinearPicture& picture) {
-    double sum = 0.0;
-    for (const vec4& p : picture.pixels) sum += double(p.x) + p.y + p.z;
-    return sum / (3.0 * static_cast<double>(picture.pixels.size()));
-}
-
-LinearPicture meanPicture(const Sums& sums, uvec2 resolution, uint32_t samples) {
-    LinearPicture picture{resolution, std::vector<vec4>(sums.size())};
-    for (size_t i = 0; i < sums.size(); i++) picture.pixels[i] = vec4(vec3(sums[i] / double(samples)), 0.0f);
-    return picture;
-}
-
 /// What rows are judged by.
 struct HalvedTruth {
     LinearPicture picture, halves[2];
@@ -48,8 +37,7 @@ struct HalvedTruth {
 
     HalvedTruth(const Reference& reference, const Sums& variances)
         : picture(reference.picture()), halves{reference.half(0), reference.half(1)} {
-        const double level = meanOfAll(picture);
-        if (level > 0.0) mean = level;
+        mean = levelOf(picture);
         all.assign(picture.pixels.size(), true);
         std::vector<double> variation;
         for (const glm::dvec3& v : variances) variation.push_back(v.x + v.y + v.z);
