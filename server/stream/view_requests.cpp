@@ -83,6 +83,7 @@ void View::handle(Viewer& viewer, const SettingsMessage& message) {
     if (!seat) return;
     if (seat != &seats_.front()) return changeQuality(*seat, message);
     request_.settings = changed(request_.settings, message.values, devices, caps_);
+    lastFailure_.clear();  // what fails again is said again to who asks again
     request_.inputId = message.inputId;
     seat->quality = request_.settings.jpegQuality;
     viewer.setQuality(seat->quality);

@@ -151,6 +151,26 @@ TEST(Session, WithoutMemoryForAFrameTheNextInputIsAnswered) {
     EXPECT_FALSE(line.socket->closed);
 }
 
+TEST(Session, WhatFailsAgainIsSaidOnceForEachChangeOfSettings) {
+    Line line;
+    line.host.device->poor = true;
+    line.session->begin();
+    line.size();
+    const auto failures = [&] {
+        return std::count_if(line.socket->texts.begin(), line.socket->texts.end(),
+                             [](const json& text) { return text["type"] == "error"; });
+    };
+    ASSERT_TRUE(line.socket->until([&] { return failures() == 1; }));
+    line.say({{"type", "settings"}, {"inputId", 2}, {"values", {{"exposure", 1.0}}}});
+    ASSERT_TRUE(line.socket->until([&] { return failures() == 2; }));
+    line.look(3);
+    line.look(4);
+    line.host.device->poor = false;
+    line.look(5);
+    ASSERT_TRUE(line.socket->untilFrame(1));
+    EXPECT_EQ(failures(), 2);
+}
+
 // Statistics come later: who keeps the clock of all sessions goes on (Service::attend).
 TEST(Session, ATickWithoutMemoryLeavesTheSessionAsItWas) {
     Line line;
