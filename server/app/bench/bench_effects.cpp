@@ -23,6 +23,7 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 constexpr int64_t MOST_EFFECT_REPETITIONS = 100'000;
+constexpr int64_t MOST_EFFECT_SAMPLES = 4096;
 constexpr uint32_t WARM_UP_PAIRS = 1;  // of each start
 constexpr uint32_t PAIRS = 3;          // then, of which the middle one counts
 
@@ -37,6 +38,9 @@ EffectBenchOptions checkedBounds(const BenchEffectsOptions& options, const Setti
     if (options.repetitions < 1 || options.repetitions > MOST_EFFECT_REPETITIONS) {
         throw InputError("--repetitions", std::to_string(options.repetitions),
                          "1 to " + std::to_string(MOST_EFFECT_REPETITIONS));
+    }
+    if (options.samples < 1 || options.samples > MOST_EFFECT_SAMPLES) {
+        throw InputError("--samples", std::to_string(options.samples), "1 to " + std::to_string(MOST_EFFECT_SAMPLES));
     }
     if (!(options.limit > 0.0 && options.limit <= 100.0)) {
         throw InputError("--limit", std::to_string(options.limit), "percent, above 0 and up to 100");
@@ -145,7 +149,7 @@ int answerFrames(const BenchEffectsOptions& options, std::istream& in, std::ostr
     serveFrames(in, out, greeting, [&] {
         request.generation++;
         double core = processCpuSeconds();
-        FrameStats stats = renderFrame(*bench.device, request, 1, film);
+        FrameStats stats = renderFrame(*bench.device, request, static_cast<uint32_t>(options.samples), film);
         core = processCpuSeconds() - core;
         return json{{"ms", stats.milliseconds}, {"core_ms", 1e3 * core}, {"rays", stats.rays.by}, {"hash", pictureHash(film)}};
     });
@@ -159,7 +163,8 @@ void note(const json& answer, Timing& timing) {
 }
 
 std::vector<std::string> partnerArguments(const BenchEffectsOptions& options, const std::string& scene) {
-    std::vector<std::string> arguments{"bench", "effects", scene, "--answer", "--size", options.size};
+    std::vector<std::string> arguments{"bench",  "effects",    scene,       "--answer",
+                                       "--size", options.size, "--samples", std::to_string(options.samples)};
     auto add = [&](const char* name, const std::string& value) {
         if (!value.empty()) arguments.insert(arguments.end(), {name, value});
     };
@@ -254,6 +259,9 @@ void addBenchEffects(CLI::App& bench, std::function<int()>& run) {
         ->add_option("--beside", options->beside,
                      "Compare with the frames of another scene; --limit is how much slower this one may be")
         ->type_name("SCENE");
+    effects->add_option("--samples", options->samples, "Samples of a frame, for --against and --beside")
+        ->type_name("N")
+        ->capture_default_str();
     effects->add_flag("--answer", options->answer)->group("");
     effects->footer(
         "Each effect is measured on and off, in pairs of frames one right after the other. On: its switch is on, the other\n"

@@ -15,6 +15,7 @@ struct BenchEffectsOptions : SceneOptions {
     std::string against;  // another build's program, or empty
     std::string beside;   // another scene, or empty
     bool answer = false;  // is started by --against
+    int64_t samples = 1;  // of each of its frames
 };
 
 /// Prints its result and returns the exit code; 1 where an equality does not hold. Throws InputError before any work if an

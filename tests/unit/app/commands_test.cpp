@@ -258,6 +258,7 @@ TEST_F(CommandsTest, BenchEffectsChecksThatWhatIsAllowedAndNotNeededChangesNothi
 
 TEST_F(CommandsTest, BenchEffectsRefusesBadArguments) {
     expectRefused({"bench", "effects", "cornell", "--repetitions", "0"}, {"--repetitions: 0; allowed: 1 to 100000"});
+    expectRefused({"bench", "effects", "cornell", "--samples", "0"}, {"--samples: 0; allowed: 1 to 4096"});
     expectRefused({"bench", "effects", "cornell", "--limit", "0"}, {"--limit: ", "allowed: percent"});
     expectRefused({"bench", "effects", "cornell", "--check", "--against", "x"}, {"--against", "one of them"});
     Outcome outcome = run({"bench", "effects", "cornell", "--against", file("none")});
