@@ -171,6 +171,26 @@ TEST(Surface, ANormalThatLooksAwayIsReplacedByTheFacets) {
     EXPECT_EQ(s.normal, vec3(0, 0, 1));
 }
 
+// However far the eye is: a ray that goes on starts off the facet by the clearance, which knows nothing of the eye.
+TEST(Surface, APointSeenFromAfarLiesOnItsFacet) {
+    const auto scene = sceneOf(icosphere(2), mat4(1.0f), false);
+    EveryKernel kernel = kernelFor(*scene);
+    Random random(3);
+    for (int i = 0; i < 20000; i++) {
+        const uint32_t primitive = random.below(320);
+        const dvec3 a = corner(*scene, 0, primitive, 0), b = corner(*scene, 0, primitive, 1),
+                    c = corner(*scene, 0, primitive, 2);
+        const dvec3 target = (a + b + c) / 3.0;
+        vec3 away = random.direction();
+        if (glm::dot(dvec3(away), target) < 0.0) away = -away;
+        const vec3 origin = vec3(target) + away * static_cast<float>(random.magnitude(1.0, 1e4));
+        const vec3 direction = vec3(glm::normalize(target - dvec3(origin)));
+        const auto s = kernel.surfaceAt(origin, direction, 0.0f, 0.0f, Hit{0, primitive});
+        const dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
+        ASSERT_LT(std::abs(glm::dot(dvec3(s.position) - a, normal)), double(s.clearance));
+    }
+}
+
 TEST(Surface, InterpolatesColoursAndCoordinatesLinearly) {
     MeshData mesh = panel(vec3(0.0f), vec3(2, 0, 0), vec3(0, 3, 0));
     mesh.colors = {{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}, {1, 1, 1, 0}};
