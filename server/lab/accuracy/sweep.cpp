@@ -143,9 +143,7 @@ void AccuracySweep::finishReferences() {
     }
 }
 
-float AccuracySweep::ceiling() const {
-    return whiteRadiance(scene_.exposure + options_.settings.exposure);
-}
+float AccuracySweep::ceiling() const { return whiteRadiance(scene_.exposure + options_.settings.exposure); }
 
 LinearPicture AccuracySweep::compared(const LinearPicture& picture) const {
     return resized(limited(picture, ceiling()), options_.resolution);
